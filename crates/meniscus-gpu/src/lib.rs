@@ -1,0 +1,1 @@
+//! Runs a plan on wgpu: resources, caches, timing, read-back.

@@ -1,0 +1,1 @@
+//! Errors, statistics, tables and reports.

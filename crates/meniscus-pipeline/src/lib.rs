@@ -1,0 +1,1 @@
+//! Pipelines declared in RON: variants, facts, plans, without a GPU.

@@ -1,0 +1,1 @@
+//! The truth: a scene ray traced in f64 on the CPU.

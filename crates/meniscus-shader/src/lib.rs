@@ -1,0 +1,1 @@
+//! WGSL modules, slots, composition and validation, without a GPU.

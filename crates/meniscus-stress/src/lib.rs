@@ -1,0 +1,1 @@
+//! Runs module functions on the CPU in several number systems and hunts their worst inputs.
