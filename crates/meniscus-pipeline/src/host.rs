@@ -1,0 +1,111 @@
+//! What the host offers to shaders: a closed list of resources, checked without a GPU.
+//!
+//! A uniform block's struct may declare any of the listed members, in any order; the host writes
+//! each where naga's layout puts it, so that no struct is declared twice.
+
+/// Type of a value that the host writes into a buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs, reason = "WGSL's names say all there is to say")]
+pub enum ValueType {
+    F32,
+    U32,
+    Vec2,
+    Vec3,
+    Vec4,
+}
+
+/// A named list of members with their types.
+pub type Members = &'static [(&'static str, ValueType)];
+
+/// Members of `view_target` and `view_seen`: see `meniscus_scene::View`.
+pub const VIEW: Members = &[
+    ("eye", ValueType::Vec3),
+    ("right", ValueType::Vec3),
+    ("up", ValueType::Vec3),
+    ("forward", ValueType::Vec3),
+    ("focal", ValueType::F32),
+    ("size", ValueType::Vec2),
+    ("near", ValueType::F32),
+];
+
+/// Members of `water`.
+///
+/// `level`: z of the rest plane. `refractive_index`: of the water relative to the air.
+/// `relative_index`: of the far side relative to the camera's side. `camera_side`: 1 with the eye
+/// above the rest plane or on it, −1 below. `height_bound`, `slope_bound`: what the wave sum
+/// cannot exceed. `root_high` + `root_low`: √(N² − 1), N being the larger of the index and its
+/// inverse, as a sum of two floats; `larger_index`: N.
+pub const WATER: Members = &[
+    ("level", ValueType::F32),
+    ("refractive_index", ValueType::F32),
+    ("relative_index", ValueType::F32),
+    ("camera_side", ValueType::F32),
+    ("height_bound", ValueType::F32),
+    ("slope_bound", ValueType::F32),
+    ("larger_index", ValueType::F32),
+    ("root_high", ValueType::F32),
+    ("root_low", ValueType::F32),
+    ("time", ValueType::F32),
+];
+
+/// Members of `sun`.
+pub const SUN: Members = &[
+    ("direction", ValueType::Vec3),
+    ("colour", ValueType::Vec3),
+    ("ambient", ValueType::Vec3),
+];
+
+/// Members of `sky`.
+pub const SKY: Members = &[
+    ("horizon", ValueType::Vec3),
+    ("zenith", ValueType::Vec3),
+    ("deep", ValueType::Vec3),
+];
+
+/// Uniform blocks by the variable's name.
+pub const BLOCKS: &[(&str, Members)] = &[
+    ("view_target", VIEW),
+    ("view_seen", VIEW),
+    ("water", WATER),
+    ("sun", SUN),
+    ("sky", SKY),
+];
+
+/// Read-only storage arrays by the variable's name, with the members of an element.
+///
+/// `waves`: the terms of the sum, `phase` with the time's part in it, in [0, 2π); at least one.
+/// `materials`: `line_width` 0 where there is no pattern.
+/// `triangles`: corners in world space, `edge_*` from `corner`; in the order of the scene's mesh.
+pub const ARRAYS: &[(&str, Members)] = &[
+    (
+        "waves",
+        &[
+            ("wave_vector", ValueType::Vec2),
+            ("amplitude", ValueType::F32),
+            ("phase", ValueType::F32),
+        ],
+    ),
+    (
+        "materials",
+        &[
+            ("colour", ValueType::Vec3),
+            ("line_colour", ValueType::Vec3),
+            ("tile_size", ValueType::F32),
+            ("line_width", ValueType::F32),
+            ("tile_offset", ValueType::F32),
+        ],
+    ),
+    ("objects", &[("material", ValueType::U32)]),
+];
+
+/// Vertex attributes. `geometric_normal`, `object` and `material` belong to the triangle and are
+/// carried by its first vertex: `@interpolate(flat, first)`.
+pub const ATTRIBUTES: Members = &[
+    ("position", ValueType::Vec3),
+    ("normal", ValueType::Vec3),
+    ("geometric_normal", ValueType::Vec3),
+    ("object", ValueType::U32),
+];
+
+/// The host's sampler, bilinear and clamped to the edge.
+pub const SAMPLERS: &[&str] = &["linear_sampler"];

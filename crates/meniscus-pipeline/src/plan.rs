@@ -1,0 +1,118 @@
+//! What is left of a pipeline for the facts of one scene: what a GPU is given to do.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use meniscus_shader::Shader;
+use serde::Deserialize;
+
+/// A frame's passes in order, and what lies between them.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// The pipeline's name, with the settings that differ from its file.
+    pub pipeline: String,
+    /// Textures by name.
+    pub textures: BTreeMap<String, Texture>,
+    /// Buffers by name.
+    pub buffers: BTreeMap<String, Buffer>,
+    /// Passes in order.
+    pub passes: Vec<PlannedPass>,
+    /// The texture that comes out.
+    pub output: String,
+    /// The texture with the world point (xyz) and object id (w, −1 for none) of which the colour
+    /// is displayed; only in plans made for it.
+    pub shown: Option<String>,
+}
+
+/// A texture between passes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Texture {
+    /// Texel format.
+    pub format: Format,
+    /// How large it is.
+    pub size: Size,
+}
+
+/// A buffer between passes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Buffer {
+    /// Bytes that do not depend on the picture.
+    pub bytes: u64,
+    /// Bytes for each pixel of the frame.
+    pub bytes_per_pixel: u64,
+    /// Whether it serves as arguments of an indirect dispatch.
+    pub indirect: bool,
+    /// Whether it is zeroed at the start of every frame.
+    pub zeroed: bool,
+}
+
+/// Texel formats, with WebGPU's names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Deserialize)]
+#[allow(missing_docs, reason = "WebGPU's names say all there is to say")]
+pub enum Format {
+    R32Float,
+    Rg32Float,
+    R32Uint,
+    Rgba8Unorm,
+    Rgba16Float,
+    Rgba32Float,
+    Depth32Float,
+}
+
+/// How large a texture is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Deserialize)]
+pub enum Size {
+    /// As large as the frame.
+    Frame,
+    /// The frame with a guard band on every side, as wide as the water's slopes demand.
+    Guarded,
+}
+
+/// One pass, ready to run.
+#[derive(Debug, Clone)]
+pub struct PlannedPass {
+    /// Its name in the pipeline.
+    pub name: String,
+    /// What runs.
+    pub kind: PassKind,
+    /// The shader.
+    pub shader: Arc<Shader>,
+    /// Values of the shader's `override`s, by their names in the IR.
+    pub numbers: BTreeMap<String, f64>,
+    /// The textures written, in the order of the shader's outputs.
+    pub targets: Vec<String>,
+    /// The depth texture written and tested against; none for passes without depth.
+    pub depth: Option<String>,
+    /// The view that is drawn: `view_target` in the shader.
+    pub view_target: Size,
+    /// The view with which the textures that are read were drawn: `view_seen` in the shader.
+    pub view_seen: Size,
+}
+
+/// What a pass runs over.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum PassKind {
+    /// Triangles of the scene.
+    Draw(Geometry),
+    /// Every pixel of the targets, in a fragment shader.
+    Screen,
+    /// Every pixel of the targets' size, in a compute shader that stores to its outputs.
+    ScreenCompute,
+    /// One thread for each pixel of a view, in a compute shader.
+    Dispatch(Size),
+    /// As many workgroups as a buffer says.
+    DispatchIndirect(String),
+    /// A fixed number of workgroups.
+    DispatchFixed([u32; 3]),
+}
+
+/// Which triangles are drawn, relative to the camera's side of the water.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Deserialize)]
+pub enum Geometry {
+    /// On the camera's side, and those that cross the water.
+    NearSide,
+    /// On the other side, and those that cross the water.
+    FarSide,
+    /// All.
+    All,
+}

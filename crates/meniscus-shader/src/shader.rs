@@ -1,0 +1,126 @@
+//! What composition turns out: a validated shader and its interface.
+
+use std::collections::BTreeMap;
+
+/// The composed, validated shader of one pass.
+///
+/// `module` holds only what its entry points use, with group 0 and a binding number assigned to
+/// every resource. Numbers (`override`s) are still open, so that variants that differ only in
+/// numbers share a shader.
+#[derive(Debug)]
+pub struct Shader {
+    /// The IR that runs.
+    pub module: naga::Module,
+    /// naga's analysis of it.
+    pub info: naga::valid::ModuleInfo,
+    /// Its entry points' names.
+    pub entry: Entry,
+    /// The resources it reads and writes, in the order of their binding numbers.
+    pub bindings: Vec<Binding>,
+    /// Names of the vertex attributes, in the order of their locations.
+    pub attributes: Vec<Attribute>,
+    /// Names of the outputs, in the order of their locations (fragment) or as bound (compute).
+    pub outputs: Vec<String>,
+    /// The composed WGSL, with the modules' comments.
+    pub text: String,
+    /// blake3 of `text`, hexadecimal.
+    pub hash: String,
+    /// For every number of every filling, by its path (`intersect.step.taps`), the name of the
+    /// `override` in the IR. Numbers that no entry point uses are absent.
+    pub overrides: BTreeMap<String, String>,
+}
+
+/// The entry points of a shader.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Entry {
+    /// A vertex and a fragment stage.
+    Render {
+        /// Name of the vertex entry point.
+        vertex: String,
+        /// Name of the fragment entry point.
+        fragment: String,
+    },
+    /// A compute stage.
+    Compute {
+        /// Its name.
+        name: String,
+        /// Threads a workgroup.
+        workgroup: [u32; 3],
+    },
+}
+
+/// A vertex attribute that the shader reads.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Attribute {
+    /// The host's name of it (`position`, `normal`, …).
+    pub name: String,
+    /// `@location` number.
+    pub location: u32,
+}
+
+/// A resource of a shader, in group 0.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Binding {
+    /// `@binding` number.
+    pub index: u32,
+    /// The variable's name in the composed shader.
+    pub variable: String,
+    /// The name of what it is connected to: a texture or buffer of the pipeline, or a resource of
+    /// the host.
+    pub resource: String,
+    /// What it is.
+    pub kind: BindingKind,
+    /// Whether the vertex stage uses it.
+    pub in_vertex: bool,
+    /// Whether the fragment stage uses it.
+    pub in_fragment: bool,
+    /// Whether the compute stage uses it.
+    pub in_compute: bool,
+}
+
+/// What kind of resource a binding is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BindingKind {
+    /// A uniform buffer; the type is in the shader's module.
+    Uniform(naga::Handle<naga::Type>),
+    /// A storage buffer.
+    Storage {
+        /// The type in the shader's module.
+        ty: naga::Handle<naga::Type>,
+        /// Whether the shader only reads it.
+        read_only: bool,
+    },
+    /// A sampled texture.
+    Texture {
+        /// Number of dimensions.
+        dimension: naga::ImageDimension,
+        /// What a texel is.
+        sample: Sample,
+        /// Whether a sampler reads it, so that its format must be filterable.
+        filtered: bool,
+    },
+    /// A texture that is written.
+    StorageTexture {
+        /// Texel format.
+        format: naga::StorageFormat,
+        /// Number of dimensions.
+        dimension: naga::ImageDimension,
+        /// Whether texels are also read.
+        reads: bool,
+    },
+    /// A sampler: bilinear, clamped to the edge.
+    Sampler,
+}
+
+/// What a texel of a sampled texture is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sample {
+    /// Floating point, normalised included.
+    Float,
+    /// Depth.
+    Depth,
+    /// Signed integers.
+    Sint,
+    /// Unsigned integers.
+    Uint,
+}
