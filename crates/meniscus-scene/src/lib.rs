@@ -5,7 +5,29 @@
 //! neither borrows the other's formulas.
 
 mod camera;
+mod check;
+mod description;
+mod export;
+mod generate;
+mod gltf_file;
+mod library;
+mod lower;
+mod mesh;
+mod mesh_file;
 mod model;
+mod settings;
+mod shapes;
+mod soup;
+mod water;
 
 pub use camera::{Camera, View};
-pub use model::{Material, Mesh, Object, Pattern, Scene, Sky, Sun, Triangle, Water, WaterGeometry, Wave};
+pub use export::{
+    CameraExport, MaterialExport, ObjectExport, SceneExport, SkyExport, SunExport, TilesExport,
+    WaterExport, WaveExport,
+};
+pub use library::{Library, SceneSource};
+pub use mesh::Sides;
+pub use model::{
+    Material, Mesh, Object, Pattern, Scene, Sky, Sun, Triangle, Water, WaterGeometry, Wave,
+};
+pub use settings::{Key, Setting, Values, keys};
