@@ -1,6 +1,6 @@
 //! How a surface looks: Lambert's law under a sun and an ambient dome, without shadows.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use meniscus_scene::{Material, Pattern, Scene, Sky};
 
 use crate::path::Hit;
@@ -60,17 +60,19 @@ fn albedo(material: &Material, point: DVec3, geometric_normal: DVec3) -> DVec3 {
 
 /// What a ray sees that meets nothing, by its (unit) direction.
 pub(crate) fn sky(sky: &Sky, direction: DVec3) -> DVec3 {
-    let mixed: Vec3 = if direction.z < 0.0 {
-        return sky.deep.as_dvec3();
+    if direction.z < 0.0 {
+        sky.deep.as_dvec3()
     } else {
-        sky.zenith - sky.horizon
-    };
-    sky.horizon.as_dvec3() + direction.z * mixed.as_dvec3()
+        sky.horizon
+            .as_dvec3()
+            .lerp(sky.zenith.as_dvec3(), direction.z.min(1.0))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
 
     const TILES: Material = Material {
         colour: Vec3::ONE,
