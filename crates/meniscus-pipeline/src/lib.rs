@@ -1,8 +1,12 @@
 //! Pipelines declared in RON: variants, facts, plans, without a GPU.
 
+mod facts;
+mod file;
 pub mod host;
+mod pipeline;
 mod plan;
 
-pub use plan::{
-    Buffer, Format, Geometry, PassKind, Plan, PlannedPass, Size, Texture,
-};
+pub use facts::{Facts, KNOWN as KNOWN_FACTS};
+pub use file::{Dispatch, Over, Runs};
+pub use pipeline::{Pass, PassOver, Pipeline, Pipelines};
+pub use plan::{Buffer, Format, Geometry, PassKind, Plan, PlannedPass, Size, Texture};

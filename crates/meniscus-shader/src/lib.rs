@@ -1,5 +1,24 @@
 //! WGSL modules, slots, composition and validation, without a GPU.
+//!
+//! A *module* is a WGSL file with a few pure functions; a *slot* a named signature with a default
+//! body; a *skeleton* the body of a kind of pass, which calls slots. A [`Composer`] turns a
+//! [`Recipe`] (a skeleton and what fills its slots) into a [`Shader`]: one text, validated by
+//! naga, with the bindings assigned. See this crate's README for the module format.
 
+mod compose;
+mod entry;
+mod filling;
+mod header;
+mod instance;
+mod ir;
+mod lexer;
+mod library;
+mod outline;
 mod shader;
+mod text;
 
+pub use compose::{Composer, Output, Recipe, Stage};
+pub use filling::Filling;
+pub use header::{Header, Name, Number, Requirement, SlotUse, When};
+pub use library::{Library, Module, Role};
 pub use shader::{Attribute, Binding, BindingKind, Entry, Sample, Shader};

@@ -1,0 +1,314 @@
+//! A pipeline as it is meant, variants resolved.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use meniscus_shader::Filling;
+use meniscus_source::ron::{Entries, Spanned, from_source};
+use meniscus_source::{Diagnostic, Report, SourceFile};
+
+use crate::file::{self, Dispatch, File, Over, PipelineFile, Runs, Step, Value, VariantFile};
+use crate::plan::{Buffer, Geometry, Texture};
+
+/// The longest chain of variants of variants.
+const MAX_CHAIN: usize = 16;
+/// The most passes of a pipeline, repetitions counted.
+const MAX_PASSES: usize = 1024;
+
+/// A pipeline: sequences, and the textures and buffers between them.
+#[derive(Debug, Clone)]
+pub struct Pipeline {
+    /// Its name, with the changes made to it on the command line.
+    pub name: String,
+    /// One line about it.
+    pub about: String,
+    /// Textures by name.
+    pub textures: BTreeMap<String, Spanned<Texture>>,
+    /// Buffers by name.
+    pub buffers: BTreeMap<String, Spanned<Buffer>>,
+    /// Passes in order.
+    pub passes: Vec<Pass>,
+    /// The texture that comes out.
+    pub output: Spanned<String>,
+}
+
+/// A pass as it is declared.
+#[derive(Debug, Clone)]
+pub struct Pass {
+    /// Unique within the pipeline.
+    pub name: Spanned<String>,
+    /// What it runs over.
+    pub over: PassOver,
+    /// The skeleton's path.
+    pub skeleton: Spanned<String>,
+    /// The rule on facts under which it runs.
+    pub when: Option<Spanned<String>>,
+    /// Fillings by slot.
+    pub slots: BTreeMap<String, Filling>,
+    /// Resources by variable, where the names differ.
+    pub reads: BTreeMap<String, Spanned<String>>,
+    /// Textures by output, in the order they were written; `depth` is the depth texture.
+    pub writes: Vec<(Spanned<String>, Spanned<String>)>,
+}
+
+/// What a declared pass runs over.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PassOver {
+    /// Triangles.
+    Draw(Geometry),
+    /// Pixels.
+    Screen(Over, Runs),
+    /// Threads.
+    Compute(Dispatch),
+}
+
+/// All pipeline files, by name.
+#[derive(Debug, Default, Clone)]
+pub struct Pipelines {
+    files: BTreeMap<String, Arc<SourceFile>>,
+}
+
+impl Pipelines {
+    /// Files with their names (paths without `.ron`); a later one replaces an earlier.
+    pub fn new<'a>(files: impl IntoIterator<Item = (&'a str, Arc<SourceFile>)>) -> Self {
+        Self {
+            files: files.into_iter().map(|(name, file)| (name.to_owned(), file)).collect(),
+        }
+    }
+
+    /// Names in order.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.files.keys().map(String::as_str)
+    }
+
+    /// The file of a name.
+    pub fn file(&self, name: &str) -> Option<&Arc<SourceFile>> {
+        self.files.get(name)
+    }
+
+    /// Reads a pipeline, following variants to their origin.
+    ///
+    /// # Errors
+    /// When the name is unknown, a file is wrong, or variants form a circle.
+    pub fn load(&self, name: &str) -> Result<Pipeline, Report> {
+        self.follow(&Spanned::unplaced(name.to_owned()), &mut Vec::new())
+    }
+
+    /// Reads a pipeline from a file that is not among the known ones; what it is a variant of is.
+    ///
+    /// # Errors
+    /// As [`Pipelines::load`].
+    pub fn load_file(&self, name: &str, file: &Arc<SourceFile>) -> Result<Pipeline, Report> {
+        self.read(name, file, &mut vec![name.to_owned()])
+    }
+
+    fn follow(&self, name: &Spanned<String>, chain: &mut Vec<String>) -> Result<Pipeline, Report> {
+        let placed = |diagnostic: Diagnostic, words: &str| match &name.place {
+            Some(place) => diagnostic.at(place, words),
+            None => diagnostic,
+        };
+        let Some(file) = self.files.get(&name.value) else {
+            let unknown = Diagnostic::error(format!("there is no pipeline `{}`", name.value));
+            return Err(placed(unknown, "unknown pipeline")
+                .with_suggestion(&name.value, self.names())
+                .into());
+        };
+        chain.push(name.value.clone());
+        if chain[..chain.len() - 1].contains(&name.value) || chain.len() > MAX_CHAIN {
+            let circle = Diagnostic::error(format!(
+                "variants of each other, or more than {MAX_CHAIN} in a chain: {}",
+                chain.join(" → ")
+            ));
+            return Err(placed(circle, "comes back here").into());
+        }
+        self.read(&name.value, file, chain)
+    }
+
+    fn read(
+        &self,
+        name: &str,
+        file: &Arc<SourceFile>,
+        chain: &mut Vec<String>,
+    ) -> Result<Pipeline, Report> {
+        match from_source::<File>(file)? {
+            File::Pipeline(read) => build(name, read),
+            File::Variant(VariantFile { of, about, set }) => {
+                let mut pipeline = self.follow(&of, chain)?;
+                pipeline.name = name.to_owned();
+                pipeline.about = about;
+                let mut report = Report::default();
+                for (key, value) in set.iter() {
+                    if let Err(wrong) = pipeline.put(key, value) {
+                        report.add(wrong);
+                    }
+                }
+                report.into_result(pipeline)
+            }
+        }
+    }
+}
+
+fn build(name: &str, read: PipelineFile) -> Result<Pipeline, Report> {
+    let mut report = Report::default();
+    let mut pipeline = Pipeline {
+        name: name.to_owned(),
+        about: read.about,
+        textures: read
+            .textures
+            .0
+            .into_iter()
+            .map(|(key, t)| {
+                let texture = Texture { format: t.format, size: t.size };
+                (key.value.clone(), Spanned { value: texture, place: key.place })
+            })
+            .collect(),
+        buffers: read
+            .buffers
+            .0
+            .into_iter()
+            .map(|(key, b)| {
+                let buffer = Buffer {
+                    bytes: b.bytes.into(),
+                    bytes_per_pixel: b.bytes_per_pixel.into(),
+                    indirect: b.indirect,
+                    zeroed: b.zeroed,
+                };
+                (key.value.clone(), Spanned { value: buffer, place: key.place })
+            })
+            .collect(),
+        passes: Vec::new(),
+        output: read.output.colour,
+    };
+    add_steps(&mut pipeline.passes, read.sequence, "", &mut report);
+    report.into_result(pipeline)
+}
+
+/// Unrolls steps into passes; those of a repetition are numbered from 1.
+fn add_steps(passes: &mut Vec<Pass>, steps: Vec<Step>, suffix: &str, report: &mut Report) {
+    for step in steps {
+        let pass = match step {
+            Step::Draw(d) => (d.name, PassOver::Draw(d.geometry), d.skeleton, d.when, d.slots, d.reads, d.writes),
+            Step::Screen(s) => (s.name, PassOver::Screen(s.over, s.runs), s.skeleton, s.when, s.slots, s.reads, s.writes),
+            Step::Compute(c) => (c.name, PassOver::Compute(c.dispatch), c.skeleton, c.when, c.slots, c.reads, Entries::default()),
+            Step::Repeat(repeat) => {
+                let times = repeat.times.value as usize;
+                if times == 0 || times.saturating_mul(repeat.sequence.len()) > MAX_PASSES {
+                    let wrong = Diagnostic::error(format!("a pipeline has 1 to {MAX_PASSES} passes, repetitions counted"));
+                    report.add(match &repeat.times.place {
+                        Some(place) => wrong.at(place, "so many times"),
+                        None => wrong,
+                    });
+                    continue;
+                }
+                for time in 1..=times {
+                    add_steps(passes, repeat.sequence.clone(), &format!("{suffix}.{time}"), report);
+                }
+                continue;
+            }
+        };
+        let (mut name, over, skeleton, when, slots, reads, writes) = pass;
+        name.value.push_str(suffix);
+        if let Some(first) = passes.iter().find(|p| p.name.value == name.value) {
+            let mut twice = Diagnostic::error(format!("two passes are called `{}`", name.value));
+            for place in [&name.place, &first.name.place].into_iter().flatten() {
+                twice = twice.at(place, "");
+            }
+            report.add(twice);
+        }
+        let mut filled = BTreeMap::new();
+        for (slot, value) in slots.iter() {
+            match file::filling(slot, value) {
+                Ok(filling) => {
+                    filled.insert(slot.value.clone(), filling);
+                }
+                Err(wrong) => report.add(wrong),
+            }
+        }
+        passes.push(Pass {
+            name,
+            over,
+            skeleton,
+            when,
+            slots: filled,
+            reads: file::connections(&reads),
+            writes: writes.0,
+        });
+    }
+}
+
+impl Pipeline {
+    /// Changes one thing: `PASS.SLOT[.SLOT…]` to a module, or `PASS.SLOT[.SLOT…].NUMBER` to a
+    /// number. The value is a module's path, a number, or a filling in RON.
+    ///
+    /// # Errors
+    /// When the path leads nowhere or the value is of the wrong kind.
+    pub fn set(&mut self, key: &str, value: &str) -> Result<(), Report> {
+        let (key, value) = (key.trim(), value.trim());
+        let literal = value.starts_with(['(', '"', '{']) || value.parse::<f64>().is_ok();
+        let text = if literal { value.to_owned() } else { format!("\"{}\"", value.escape_default()) };
+        let file = SourceFile::new(format!("--with {key}"), text);
+        let value: Spanned<Value> = from_source(&file)?;
+        self.put(&Spanned::unplaced(key.to_owned()), &value)?;
+        self.name = format!("{} {key}={}", self.name, file.text.trim_matches('"'));
+        Ok(())
+    }
+
+    pub(crate) fn put(&mut self, key: &Spanned<String>, value: &Spanned<Value>) -> Result<(), Diagnostic> {
+        let wrong = |message: String| {
+            let place = key.place.as_ref().or(value.place.as_ref());
+            let diagnostic = Diagnostic::error(message);
+            match place {
+                Some(place) => diagnostic.at(place, ""),
+                None => diagnostic,
+            }
+        };
+        let mut parts = key.value.split('.');
+        let pass_name = parts.next().unwrap_or_default();
+        let path: Vec<&str> = parts.collect();
+        let names: Vec<String> = self.passes.iter().map(|p| p.name.value.clone()).collect();
+        let Some(pass) = self.passes.iter_mut().find(|p| p.name.value == pass_name) else {
+            return Err(wrong(format!("`{}` has no pass `{pass_name}`", self.name))
+                .with_suggestion(pass_name, names.iter().map(String::as_str)));
+        };
+        let Some((last, way)) = path.split_last() else {
+            return Err(wrong(format!("`{}` names a pass; a slot or number must follow", key.value))
+                .with_help("write PASS.SLOT or PASS.SLOT.NUMBER"));
+        };
+        let mut fillings = &mut pass.slots;
+        let mut numbers = None;
+        for slot in way {
+            let known: Vec<String> = fillings.keys().cloned().collect();
+            let Some(filling) = fillings.get_mut(*slot) else {
+                return Err(wrong(format!("nothing fills `{slot}` in `{}`", key.value))
+                    .with_suggestion(slot, known.iter().map(String::as_str)));
+            };
+            fillings = &mut filling.slots;
+            numbers = Some(&mut filling.numbers);
+        }
+        match (&value.value, numbers) {
+            (Value::Number(number), Some(numbers)) => {
+                let number = file::finite(*number)
+                    .ok_or_else(|| wrong(format!("`{}` wants a finite number", key.value)))?;
+                numbers.insert(
+                    (*last).to_owned(),
+                    Spanned {
+                        value: number,
+                        place: value.place.clone(),
+                    },
+                );
+            }
+            (Value::Number(_), None) => {
+                return Err(wrong(format!("`{}` names a slot, which wants a module", key.value)));
+            }
+            _ => {
+                let slot = Spanned {
+                    value: (*last).to_owned(),
+                    place: key.place.clone(),
+                };
+                let filling = file::filling(&slot, value)?;
+                fillings.insert(slot.value, filling);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,300 @@
+//! All modules that are known, by their paths.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::Arc;
+
+use meniscus_source::{Diagnostic, Place, Report, SourceFile};
+
+use crate::header::{Header, Name};
+use crate::lexer::Kind;
+use crate::outline::{Item, ItemKind, Outline};
+
+/// The folder of slot files.
+const SLOTS: &str = "slots/";
+
+/// One WGSL file.
+#[derive(Debug)]
+pub struct Module {
+    /// Its path without the ending: `optics/refracted_ray`.
+    pub path: String,
+    /// Its text.
+    pub file: Arc<SourceFile>,
+    /// What its leading comment says.
+    pub header: Header,
+    pub(crate) header_range: Range<usize>,
+    pub(crate) outline: Outline,
+}
+
+/// What a module is, by its place and header.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// A named signature with a default body.
+    Slot,
+    /// The body of a pass.
+    Skeleton,
+    /// Fills a slot.
+    Filling,
+    /// Declarations that others need.
+    Shared,
+}
+
+impl Module {
+    /// Reads a module's header and outline.
+    fn read(path: &str, file: &Arc<SourceFile>, report: &mut Report) -> Self {
+        let (header, header_range) = Header::read(file, report);
+        let module = Self {
+            path: path.to_owned(),
+            file: file.clone(),
+            header,
+            header_range,
+            outline: Outline::of(&file.text),
+        };
+        module.check_purity(report);
+        module
+    }
+
+    /// What it is.
+    pub fn role(&self) -> Role {
+        if self.path.starts_with(SLOTS) {
+            Role::Slot
+        } else if self.header.skeleton.is_some() {
+            Role::Skeleton
+        } else if self.header.provides.is_some() {
+            Role::Filling
+        } else {
+            Role::Shared
+        }
+    }
+
+    /// The last part of the path.
+    pub fn leaf(&self) -> &str {
+        self.path.rsplit('/').next().unwrap_or(&self.path)
+    }
+
+    pub(crate) fn place(&self, range: Range<usize>) -> Place {
+        Place::new(&self.file, range)
+    }
+
+    pub(crate) fn item(&self, name: &str) -> Option<&Item> {
+        self.outline.item(name)
+    }
+
+    /// Functions, which for a slot are its contract.
+    pub(crate) fn functions(&self) -> impl Iterator<Item = &Item> {
+        self.outline
+            .items
+            .iter()
+            .filter(|item| matches!(item.kind, ItemKind::Function { .. }))
+    }
+
+    pub(crate) fn overrides(&self) -> impl Iterator<Item = &Item> {
+        self.outline
+            .items
+            .iter()
+            .filter(|item| matches!(item.kind, ItemKind::Override { .. }))
+    }
+
+    /// Everything but a skeleton must run in every stage and without effects; bindings are the
+    /// composer's.
+    fn check_purity(&self, report: &mut Report) {
+        let text = &self.file.text;
+        let tokens = &self.outline.tokens;
+        for (index, token) in tokens.iter().enumerate() {
+            let word = &text[token.range.clone()];
+            if token.kind != Kind::Word {
+                continue;
+            }
+            let before = index.checked_sub(1).map(|i| tokens[i].kind);
+            if before == Some(Kind::Mark('@')) && matches!(word, "group" | "binding") {
+                report.add(
+                    Diagnostic::error(format!("`{}` writes a binding by hand", self.path))
+                        .at(&self.place(token.range.clone()), "not in a module")
+                        .with_help("leave @group and @binding out: the composer assigns them"),
+                );
+            }
+            if self.role() == Role::Skeleton || before == Some(Kind::Mark('.')) {
+                continue;
+            }
+            let called = tokens.get(index + 1).map(|t| t.kind) == Some(Kind::Mark('('));
+            if let Some((why, instead)) = impurity(word, called) {
+                report.add(
+                    Diagnostic::error(format!("`{}` is not pure: {why}", self.path))
+                        .at(&self.place(token.range.clone()), "not in a module")
+                        .with_help(instead),
+                );
+            }
+        }
+        if self.role() == Role::Skeleton {
+            return;
+        }
+        for item in &self.outline.items {
+            if let ItemKind::Variable { space, .. } = &item.kind
+                && !matches!(space.as_str(), "" | "uniform" | "storage" | "storage,read")
+            {
+                report.add(
+                    Diagnostic::error(format!(
+                        "`{}` is not pure: `{}` can be written",
+                        self.path, item.name
+                    ))
+                    .at(&self.place(item.name_range.clone()), format!("in `{space}`"))
+                    .with_help("a module reads uniforms, read-only storage and textures; only a skeleton writes"),
+                );
+            }
+        }
+    }
+}
+
+/// Why a word makes a module impure, and what to do instead.
+fn impurity(word: &str, called: bool) -> Option<(&'static str, &'static str)> {
+    match word {
+        "discard" => Some((
+            "it discards fragments",
+            "return a flag that the skeleton's `keep` looks at",
+        )),
+        _ if !called => None,
+        "dpdx" | "dpdy" | "dpdxCoarse" | "dpdyCoarse" | "dpdxFine" | "dpdyFine" | "fwidth"
+        | "fwidthCoarse" | "fwidthFine" => Some((
+            "derivatives exist in fragment shaders alone",
+            "pass the footprint as an argument",
+        )),
+        "textureSample" | "textureSampleBias" | "textureSampleCompare" => Some((
+            "it samples with an implicit level of detail, which fragment shaders alone can",
+            "use textureSampleLevel or textureLoad",
+        )),
+        "textureStore" => Some(("it writes a texture", "return the value; the pass writes it")),
+        "workgroupBarrier" | "storageBarrier" | "textureBarrier" | "workgroupUniformLoad" => {
+            Some(("it synchronises threads", "only a compute skeleton can"))
+        }
+        _ if word.starts_with("atomic") => {
+            Some(("it writes memory", "only a compute skeleton can"))
+        }
+        _ => None,
+    }
+}
+
+/// All modules, by path.
+#[derive(Debug, Default)]
+pub struct Library {
+    modules: BTreeMap<String, Module>,
+}
+
+impl Library {
+    /// Reads modules from texts with their paths (without `.wgsl`); a later text replaces an
+    /// earlier one of the same path. What is wrong with headers comes back beside the library,
+    /// which holds every module nevertheless.
+    pub fn new<'a>(
+        sources: impl IntoIterator<Item = (&'a str, Arc<SourceFile>)>,
+    ) -> (Self, Report) {
+        let latest: BTreeMap<&str, Arc<SourceFile>> = sources.into_iter().collect();
+        let mut report = Report::default();
+        let modules = latest
+            .into_iter()
+            .map(|(path, file)| (path.to_owned(), Module::read(path, &file, &mut report)))
+            .collect();
+        let library = Self { modules };
+        for module in library.modules.values() {
+            library.check_names(module, &mut report);
+        }
+        (library, report)
+    }
+
+    /// The module of a path.
+    pub fn get(&self, path: &str) -> Option<&Module> {
+        self.modules.get(path)
+    }
+
+    /// All modules in the order of their paths.
+    pub fn modules(&self) -> impl Iterator<Item = &Module> {
+        self.modules.values()
+    }
+
+    /// The slot of a name.
+    pub fn slot(&self, name: &str) -> Option<&Module> {
+        self.modules.get(&format!("{SLOTS}{name}"))
+    }
+
+    /// Names of all slots.
+    pub fn slot_names(&self) -> impl Iterator<Item = &str> {
+        self.modules
+            .range(SLOTS.to_owned()..)
+            .map_while(|(path, _)| path.strip_prefix(SLOTS))
+    }
+
+    /// Where a resource variable of this name is declared first, in the order of the modules.
+    pub fn declaration(&self, variable: &str) -> Option<Place> {
+        self.modules.values().find_map(|module| {
+            let item = module.item(variable)?;
+            matches!(item.kind, ItemKind::Variable { .. })
+                .then(|| module.place(item.name_range.clone()))
+        })
+    }
+
+    /// The module that a name in a header stands for, or what is wrong with the name.
+    pub(crate) fn find(&self, name: &str, place: Option<&Place>) -> Result<&Module, Diagnostic> {
+        self.get(name).ok_or_else(|| {
+            let mut diagnostic = Diagnostic::error(format!("there is no module `{name}`"));
+            if let Some(place) = place {
+                diagnostic = diagnostic.at(place, "unknown module");
+            }
+            diagnostic.with_suggestion(name, self.modules.keys().map(String::as_str))
+        })
+    }
+
+    fn check_names(&self, module: &Module, report: &mut Report) {
+        let header = &module.header;
+        for need in &header.needs {
+            match self.find(&need.text, Some(&need.place)) {
+                Err(unknown) => report.add(unknown),
+                Ok(needed) if matches!(needed.role(), Role::Shared) => {}
+                Ok(_) => report.add(
+                    Diagnostic::error(format!(
+                        "`{}` cannot be needed: it is a filling, a slot or a skeleton",
+                        need.text
+                    ))
+                    .at(&need.place, "")
+                    .with_help("call the slot instead (`slots: …`), or move what both use into a module of its own"),
+                ),
+            }
+        }
+        let slots = header
+            .slots
+            .iter()
+            .map(|used| &used.slot)
+            .chain(&header.provides)
+            .chain(header.requires.iter().map(|r| &r.slot));
+        for slot in slots {
+            if self.slot(&slot.text).is_none() {
+                report.add(self.unknown_slot(&slot.text, Some(&slot.place)));
+            }
+        }
+        let modules = header.requires.iter().map(|r| &r.module);
+        for Name { text, place } in modules.chain(header.when.iter().map(|w| &w.module)) {
+            if let Err(unknown) = self.find(text, Some(place)) {
+                report.add(unknown);
+            }
+        }
+        for number in &header.numbers {
+            let declared: Vec<&str> = module.overrides().map(|item| item.name.as_str()).collect();
+            if !declared.contains(&number.name.text.as_str()) {
+                report.add(
+                    Diagnostic::error(format!(
+                        "`{}` declares no `override {}`",
+                        module.path, number.name.text
+                    ))
+                    .at(&number.name.place, "a range for a number that is not there")
+                    .with_suggestion(&number.name.text, declared),
+                );
+            }
+        }
+    }
+
+    /// The message about a slot that is not there.
+    pub(crate) fn unknown_slot(&self, name: &str, place: Option<&Place>) -> Diagnostic {
+        let mut diagnostic = Diagnostic::error(format!("there is no slot `{name}`"));
+        if let Some(place) = place {
+            diagnostic = diagnostic.at(place, "unknown slot");
+        }
+        diagnostic.with_suggestion(name, self.slot_names())
+    }
+}

@@ -1,0 +1,296 @@
+//! The module-scope items of a WGSL text: their names, kinds, places and signatures.
+
+use std::ops::Range;
+
+use crate::lexer::{Kind, Token, tokens};
+
+/// A text and what it declares.
+#[derive(Debug)]
+pub(crate) struct Outline {
+    pub tokens: Vec<Token>,
+    pub items: Vec<Item>,
+    /// `enable`, `requires` and `diagnostic` directives, which must come first in a shader.
+    pub directives: Vec<Range<usize>>,
+}
+
+/// One declaration.
+#[derive(Debug, Clone)]
+pub(crate) struct Item {
+    pub kind: ItemKind,
+    pub name: String,
+    pub name_range: Range<usize>,
+    /// From its attributes to its closing brace or semicolon.
+    pub range: Range<usize>,
+    /// Indices into the outline's tokens.
+    pub tokens: Range<usize>,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum ItemKind {
+    /// Parameters in order, and the type of the result (empty for none).
+    Function {
+        parameters: Vec<Field>,
+        result: String,
+    },
+    /// Members in order.
+    Struct(Vec<Field>),
+    /// `var`, with its address space (empty for textures and samplers) and its type.
+    Variable { space: String, ty: String },
+    /// `override`, with its type (empty when inferred).
+    Override { ty: String },
+    /// `const`.
+    Constant,
+    /// `alias`, with what it stands for.
+    Alias(String),
+    /// `const_assert`, which has no name.
+    Assertion,
+}
+
+/// A parameter or member.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Field {
+    pub name: String,
+    pub ty: String,
+}
+
+impl Outline {
+    pub fn of(text: &str) -> Self {
+        let mut outline = Self {
+            tokens: tokens(text),
+            items: Vec::new(),
+            directives: Vec::new(),
+        };
+        let mut start = 0;
+        while start < outline.tokens.len() {
+            let end = item_end(&outline.tokens, start);
+            outline.add(text, start, end);
+            start = end;
+        }
+        outline
+    }
+
+    pub fn item(&self, name: &str) -> Option<&Item> {
+        self.items.iter().find(|item| item.name == name)
+    }
+
+    fn add(&mut self, text: &str, start: usize, end: usize) {
+        let part = &self.tokens[start..end];
+        let range = part[0].range.start..part[end - start - 1].range.end;
+        let word = |token: &Token| token.kind == Kind::Word;
+        let keyword_at = skip_attributes(part);
+        let Some(keyword) = part.get(keyword_at) else {
+            return;
+        };
+        let rest = &part[keyword_at + 1..];
+        match &text[keyword.range.clone()] {
+            "enable" | "requires" | "diagnostic" => self.directives.push(range),
+            found @ ("fn" | "struct" | "var" | "override" | "const" | "alias" | "const_assert") => {
+                // A variable's address space stands between the keyword and the name.
+                let (space, rest) = match (found, rest.first().map(|t| t.kind)) {
+                    ("var", Some(Kind::Mark('<'))) => {
+                        let close = rest
+                            .iter()
+                            .position(|t| t.kind == Kind::Mark('>'))
+                            .unwrap_or(rest.len() - 1);
+                        (join(text, &rest[1..close.max(1)]), &rest[close + 1..])
+                    }
+                    _ => (String::new(), rest),
+                };
+                let name_token = rest.first().filter(|t| word(t) && found != "const_assert");
+                let (name, name_range) = match name_token {
+                    Some(token) => (text[token.range.clone()].to_owned(), token.range.clone()),
+                    None if found == "const_assert" => (String::new(), keyword.range.clone()),
+                    None => return,
+                };
+                let after = rest.get(1..).unwrap_or(&[]);
+                let kind = match found {
+                    "fn" => function(text, after),
+                    "struct" => ItemKind::Struct(fields(text, inside(after, '{', '}'))),
+                    "var" => ItemKind::Variable {
+                        space,
+                        ty: declared_type(text, after),
+                    },
+                    "override" => ItemKind::Override {
+                        ty: declared_type(text, after),
+                    },
+                    "const" => ItemKind::Constant,
+                    "alias" => {
+                        let ty = after.split_last().map_or(&[][..], |(_, ty)| ty);
+                        ItemKind::Alias(join(text, ty.get(1..).unwrap_or(&[])))
+                    }
+                    _ => ItemKind::Assertion,
+                };
+                self.items.push(Item {
+                    kind,
+                    name,
+                    name_range,
+                    range,
+                    tokens: start..end,
+                });
+            }
+            // No declaration: naga will say so.
+            _ => {}
+        }
+    }
+}
+
+/// The token after the item that begins at `start`: past its semicolon, or past its body.
+fn item_end(tokens: &[Token], start: usize) -> usize {
+    let mut depth = 0i32;
+    for (index, token) in tokens.iter().enumerate().skip(start) {
+        match token.kind {
+            Kind::Mark('(' | '[' | '{') => depth += 1,
+            Kind::Mark(')' | ']') => depth -= 1,
+            Kind::Mark('}') => {
+                depth -= 1;
+                if depth <= 0 {
+                    return index + 1;
+                }
+            }
+            Kind::Mark(';') if depth <= 0 => return index + 1,
+            _ => {}
+        }
+    }
+    tokens.len()
+}
+
+/// Index of the first token that belongs to no attribute.
+fn skip_attributes(tokens: &[Token]) -> usize {
+    let mut at = 0;
+    while tokens.get(at).is_some_and(|t| t.kind == Kind::Mark('@')) {
+        at += 2;
+        if tokens.get(at).is_some_and(|t| t.kind == Kind::Mark('(')) {
+            at += inside(&tokens[at..], '(', ')').len() + 2;
+        }
+    }
+    at.min(tokens.len())
+}
+
+/// The tokens between the first `open` and its `close`.
+fn inside(tokens: &[Token], open: char, close: char) -> &[Token] {
+    let Some(start) = tokens.iter().position(|t| t.kind == Kind::Mark(open)) else {
+        return &[];
+    };
+    let mut depth = 0;
+    for (index, token) in tokens.iter().enumerate().skip(start) {
+        if token.kind == Kind::Mark(open) {
+            depth += 1;
+        } else if token.kind == Kind::Mark(close) {
+            depth -= 1;
+            if depth == 0 {
+                return &tokens[start + 1..index];
+            }
+        }
+    }
+    &tokens[start + 1..]
+}
+
+fn function(text: &str, after: &[Token]) -> ItemKind {
+    let parameters = inside(after, '(', ')');
+    let rest = after.get(parameters.len() + 2..).unwrap_or(&[]);
+    let body = rest
+        .iter()
+        .position(|t| t.kind == Kind::Mark('{'))
+        .unwrap_or(rest.len());
+    let arrow = rest[..body].get(2..).unwrap_or(&[]);
+    let arrow = &arrow[skip_attributes(arrow)..];
+    ItemKind::Function {
+        parameters: fields(text, parameters),
+        result: join(text, arrow),
+    }
+}
+
+/// Splits `name: type, …` at the commas that stand outside brackets.
+fn fields(text: &str, tokens: &[Token]) -> Vec<Field> {
+    let mut found = Vec::new();
+    let mut depth = 0i32;
+    let mut start = 0;
+    for index in 0..=tokens.len() {
+        let kind = tokens.get(index).map(|t| t.kind);
+        match kind {
+            Some(Kind::Mark('(' | '[' | '<')) => depth += 1,
+            Some(Kind::Mark(')' | ']' | '>')) => depth -= 1,
+            Some(Kind::Mark(',' | ';')) if depth <= 0 => {}
+            None => {}
+            _ => continue,
+        }
+        let ends = kind.is_none() || (depth <= 0 && matches!(kind, Some(Kind::Mark(',' | ';'))));
+        if ends {
+            let field = &tokens[start..index];
+            let field = &field[skip_attributes(field)..];
+            if let [name, _, ty @ ..] = field {
+                found.push(Field {
+                    name: text[name.range.clone()].to_owned(),
+                    ty: join(text, ty),
+                });
+            }
+            start = index + 1;
+        }
+    }
+    found
+}
+
+/// The type in `: type = …;`, empty when it is inferred.
+fn declared_type(text: &str, after: &[Token]) -> String {
+    match after.first().map(|t| t.kind) {
+        Some(Kind::Mark(':')) => {
+            let end = after
+                .iter()
+                .position(|t| matches!(t.kind, Kind::Mark('=' | ';')))
+                .unwrap_or(after.len());
+            join(text, &after[1..end])
+        }
+        _ => String::new(),
+    }
+}
+
+/// A type as written, without white space and with WGSL's short names (`vec3f`, not `vec3<f32>`).
+fn join(text: &str, tokens: &[Token]) -> String {
+    let mut joined: String = tokens.iter().map(|t| &text[t.range.clone()]).collect();
+    for (word, letter) in [("f32", 'f'), ("u32", 'u'), ("i32", 'i'), ("f16", 'h')] {
+        for size in 2..=4 {
+            joined = joined.replace(&format!("vec{size}<{word}>"), &format!("vec{size}{letter}"));
+            for rows in 2..=4 {
+                joined = joined.replace(
+                    &format!("mat{size}x{rows}<{word}>"),
+                    &format!("mat{size}x{rows}{letter}"),
+                );
+            }
+        }
+    }
+    joined
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn items_are_found_with_kinds_and_signatures() {
+        let text = "enable f16;\n@id(3) override taps: i32 = 2;\nconst A = array(1, 2);\n\
+            struct Ray { @size(16) origin: vec3<f32>, direction: vec3f }\n\
+            var<storage, read> waves: array<Wave, 4>;\nvar seen: texture_2d<f32>;\n\
+            alias V = vec2<f32>;\n@must_use fn deflect(a: ptr<function, Ray>, b: vec3<f32>) -> Ray { if true { } }\n\
+            fn nothing() {}\nconst_assert true;";
+        let outline = Outline::of(text);
+        let names: Vec<_> = outline.items.iter().map(|i| i.name.as_str()).collect();
+        assert_eq!(names, ["taps", "A", "Ray", "waves", "seen", "V", "deflect", "nothing", ""]);
+        assert_eq!(outline.directives.len(), 1);
+        let field = |name: &str, ty: &str| Field { name: name.into(), ty: ty.into() };
+        assert_eq!(outline.items[2].kind, ItemKind::Struct(vec![field("origin", "vec3f"), field("direction", "vec3f")]));
+        assert_eq!(outline.items[3].kind, ItemKind::Variable { space: "storage,read".into(), ty: "array<Wave,4>".into() });
+        assert_eq!(
+            outline.items[6].kind,
+            ItemKind::Function { parameters: vec![field("a", "ptr<function,Ray>"), field("b", "vec3f")], result: "Ray".into() }
+        );
+        assert_eq!(&text[outline.items[6].range.clone()][..9], "@must_use");
+        assert!(matches!(&outline.items[7].kind, ItemKind::Function { result, .. } if result.is_empty()));
+    }
+
+    #[test]
+    fn broken_texts_are_outlined_without_a_panic() {
+        for text in ["fn", "fn (", "struct S {", "var<", "var<storage", "@", "@a(", "fn f() -> ", "}}};", "alias;", "alias A", "override :;"] {
+            Outline::of(text);
+        }
+    }
+}
