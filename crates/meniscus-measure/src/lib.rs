@@ -1,1 +1,36 @@
-//! Errors, statistics, tables and reports.
+//! Errors, statistics, tables and pictures: plain slices in, figures out.
+//!
+//! What is here knows nothing of GPUs, scenes or tracers. A caller hands over what was shown and what
+//! is true, pixel by pixel ([`Comparison`]), and the frame times it took ([`Timing`]); it gets figures
+//! ([`Errors`]), tables ([`table`]), false colours ([`heat`]) and the results file ([`Results`]).
+//!
+//! Nothing is dropped: a NaN counts as the largest error there is, never as no error.
+
+mod colour;
+mod error;
+mod files;
+mod geometric;
+pub mod heat;
+mod npy;
+mod random;
+mod results;
+mod statistics;
+mod table;
+mod time_error;
+mod timing;
+mod trend;
+
+pub use colour::{
+    ColourError, MAX_PSNR_DB, colour_error, linear_to_srgb, srgb_to_linear, to_srgb8,
+};
+pub use error::MeasureError;
+pub use files::{png_bytes, write_atomically, write_png};
+pub use geometric::{Comparison, Judgement, Picture, Seen, Verdict};
+pub use npy::{NpyData, npy_bytes};
+pub use results::{
+    BorderErrors, Counters, Errors, FrameMs, PassMs, Relative, Results, Row, Timer, TruthGeometry,
+};
+pub use statistics::{Summary, median, quantile};
+pub use table::Table;
+pub use time_error::{FigurePoint, pareto_front, time_error_figure};
+pub use timing::{Timing, TimingWarning, relative_time, timing_warnings};
