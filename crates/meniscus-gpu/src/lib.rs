@@ -1,1 +1,40 @@
 //! Runs a plan on wgpu: resources, caches, timing, read-back.
+//!
+//! [`Gpu`] is an opened adapter, [`SceneBuffers`] a scene's triangles on it, [`PipelineCache`] the
+//! compiled shaders that plans share, and [`Frame`] a plan with all that it needs. A frame is made
+//! once and rendered often; between frames only what has changed is written.
+//!
+//! Nothing here panics on what a plan, shader or scene holds: every creation and submission stands
+//! inside error scopes, and [`GpuError`] says what was being done.
+
+mod adapter;
+mod bindings;
+mod compute;
+mod counters;
+mod error;
+mod formats;
+mod frame;
+mod geometry;
+mod guard;
+mod host_buffers;
+mod host_scene;
+mod layout;
+mod pipelines;
+mod queries;
+mod readback;
+mod record;
+mod resources;
+mod scene_buffers;
+mod steps;
+mod timing;
+
+pub use adapter::{AdapterFacts, Gpu, adapters};
+pub use compute::run_compute;
+pub use counters::{Counters, PassCounters};
+pub use error::GpuError;
+pub use frame::Frame;
+pub use guard::{GUARD_MAX, GuardFacts, guard, largest_tilt};
+pub use pipelines::PipelineCache;
+pub use readback::Pixels;
+pub use scene_buffers::SceneBuffers;
+pub use timing::{FrameTiming, PassTiming, Timer};

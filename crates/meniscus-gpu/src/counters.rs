@@ -1,0 +1,103 @@
+//! What a frame does, counted: figures that do not depend on the machine's load.
+
+use crate::queries::Queries;
+use crate::record::Instrument;
+use crate::steps::{Draw, Work};
+use crate::{Frame, GpuError};
+
+/// Counts of one frame. Invocations are none where the adapter cannot count them.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Triangles of the scene that were drawn, once for each draw.
+    pub triangles: u64,
+    /// Draws, those that cover the screen included.
+    pub draws: u64,
+    /// Dispatches.
+    pub dispatches: u64,
+    /// Runs of vertex shaders.
+    pub vertex_invocations: Option<u64>,
+    /// Runs of fragment shaders; drivers count helper fragments too.
+    pub fragment_invocations: Option<u64>,
+    /// Runs of compute shaders.
+    pub compute_invocations: Option<u64>,
+    /// Bytes of the textures between passes.
+    pub texture_bytes: u64,
+    /// Bytes of the buffers between passes.
+    pub buffer_bytes: u64,
+    /// The passes in order.
+    pub passes: Vec<PassCounters>,
+}
+
+/// Counts of one pass.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct PassCounters {
+    /// The pass's name.
+    pub name: String,
+    /// Triangles of the scene that it draws.
+    pub triangles: u64,
+    /// Runs of its vertex shader.
+    pub vertex_invocations: Option<u64>,
+    /// Runs of its fragment shader.
+    pub fragment_invocations: Option<u64>,
+    /// Runs of its compute shader.
+    pub compute_invocations: Option<u64>,
+}
+
+/// What is asked of the statistics, in the order in which it comes.
+fn statistics() -> wgpu::PipelineStatisticsTypes {
+    wgpu::PipelineStatisticsTypes::VERTEX_SHADER_INVOCATIONS
+        | wgpu::PipelineStatisticsTypes::FRAGMENT_SHADER_INVOCATIONS
+        | wgpu::PipelineStatisticsTypes::COMPUTE_SHADER_INVOCATIONS
+}
+
+impl Frame {
+    /// Counts what the frame does; where the adapter counts invocations, in a run of its own, so
+    /// that timed frames are not disturbed.
+    ///
+    /// # Errors
+    /// As [`Frame::render`].
+    pub fn counters(&self) -> Result<Counters, GpuError> {
+        let steps = self.steps();
+        let mut passes: Vec<PassCounters> = steps
+            .iter()
+            .map(|step| PassCounters {
+                name: step.name.clone(),
+                triangles: match &step.work {
+                    Work::Render {
+                        draw: Draw::Scene(range),
+                        ..
+                    } => u64::from(range.end - range.start) / 3,
+                    _ => 0,
+                },
+                ..PassCounters::default()
+            })
+            .collect();
+        if self.gpu().has_statistics() && !steps.is_empty() {
+            let ty = wgpu::QueryType::PipelineStatistics(statistics());
+            let queries = Queries::new(self.gpu(), ty, steps.len() as u32, 3)?;
+            self.run(Instrument::Statistics(&queries.set), Some(&queries))?;
+            for (pass, numbers) in passes
+                .iter_mut()
+                .zip(queries.read(self.gpu())?.chunks_exact(3))
+            {
+                pass.vertex_invocations = Some(numbers[0]);
+                pass.fragment_invocations = Some(numbers[1]);
+                pass.compute_invocations = Some(numbers[2]);
+            }
+        }
+        let drawing =
+            |work: &Work| matches!(work, Work::Render { draw, .. } if *draw != Draw::Nothing);
+        let total = |count: fn(&PassCounters) -> Option<u64>| passes.iter().map(count).sum();
+        Ok(Counters {
+            triangles: passes.iter().map(|p| p.triangles).sum(),
+            draws: steps.iter().filter(|s| drawing(&s.work)).count() as u64,
+            dispatches: steps.iter().filter(|s| s.is_compute()).count() as u64,
+            vertex_invocations: total(|p| p.vertex_invocations),
+            fragment_invocations: total(|p| p.fragment_invocations),
+            compute_invocations: total(|p| p.compute_invocations),
+            texture_bytes: self.resources().texture_bytes(),
+            buffer_bytes: self.resources().buffer_bytes(),
+            passes,
+        })
+    }
+}

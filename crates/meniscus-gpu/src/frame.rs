@@ -1,0 +1,365 @@
+//! A plan on a GPU: made once, rendered often.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use glam::UVec2;
+use meniscus_pipeline::{Plan, Size};
+use meniscus_scene::{Scene, View};
+
+use crate::bindings::Binder;
+use crate::host_buffers::{HostBuffers, Written};
+use crate::host_scene::{HostScene, Views};
+use crate::pipelines::Pipeline;
+use crate::queries::Queries;
+use crate::readback::{self, Pixels};
+use crate::record::{self, Instrument, frame_stamps};
+use crate::resources::{Resources, check_size};
+use crate::scene_buffers::SceneBuffers;
+use crate::steps::{self, Step};
+use crate::timing::{self, FrameTiming, Stamps};
+use crate::{Gpu, GpuError, PipelineCache};
+
+/// A plan with everything that it needs on a GPU, for one scene and size.
+#[derive(Debug)]
+pub struct Frame {
+    gpu: Gpu,
+    plan: Plan,
+    pipelines: Vec<Arc<Pipeline>>,
+    scene: Arc<SceneBuffers>,
+    host: HostScene,
+    size: UVec2,
+    parts: Parts,
+    clock: Option<Clock>,
+    uploaded: u64,
+}
+
+/// What depends on the views and on the side of the water that the eye is on.
+#[derive(Debug)]
+struct Parts {
+    resources: Resources,
+    host_buffers: HostBuffers,
+    steps: Vec<Step>,
+}
+
+/// Timestamps of a frame.
+#[derive(Debug)]
+struct Clock {
+    queries: Queries,
+    /// A texture of one pixel, for marks before and after frames of which the passes' own
+    /// timestamps do not tell all.
+    pixel: Option<wgpu::TextureView>,
+}
+
+impl Frame {
+    /// Makes everything that rendering the plan takes. Pipelines that `cache` holds are not made
+    /// again; the scene's values come from `scene`, until [`Frame::update`].
+    ///
+    /// # Errors
+    /// When the size is 0 or beyond the adapter's limit (before anything is made), when the plan's
+    /// parts do not fit together, and when the graphics library or the adapter refuses something.
+    pub fn new(
+        gpu: &Gpu,
+        plan: &Plan,
+        scene: Arc<SceneBuffers>,
+        size: UVec2,
+        cache: &PipelineCache,
+    ) -> Result<Self, GpuError> {
+        check_size(gpu, "a picture", size)?;
+        let mut pipelines = Vec::with_capacity(plan.passes.len());
+        for pass in &plan.passes {
+            let formats = steps::colour_formats(plan, pass)?;
+            pipelines.push(cache.get(gpu, pass, &formats)?);
+        }
+        let host = scene.host.clone();
+        let parts = Parts::new(gpu, plan, &pipelines, &scene, &host, size)?;
+        let clock = Clock::new(gpu, plan, &parts.steps)?;
+        Ok(Self {
+            gpu: gpu.clone(),
+            plan: plan.clone(),
+            pipelines,
+            scene,
+            host,
+            size,
+            parts,
+            clock,
+            uploaded: 0,
+        })
+    }
+
+    /// Takes over another moment, camera, water, light or materials of the same mesh. Only buffers
+    /// whose content changes are written; textures are made anew only where the guard band
+    /// changes, which depends on the camera's distance from the water and on the waves, not on time.
+    ///
+    /// # Errors
+    /// When the heights between which the water may lie, or the mesh, are not those with which
+    /// the scene was uploaded; when a value is not finite.
+    pub fn update(&mut self, scene: &Scene) -> Result<(), GpuError> {
+        if !self.scene.fits(scene) {
+            return Err(GpuError::Scene(
+                "the mesh, the water's level or its amplitudes have changed: upload the scene anew"
+                    .to_owned(),
+            ));
+        }
+        let host = HostScene::new(scene);
+        let views = host.views(self.size, self.scene.heights());
+        let remade = [Size::Frame, Size::Guarded]
+            .iter()
+            .any(|&s| views.size(s) != self.views().size(s))
+            || host.eye_above() != self.host.eye_above();
+        let written = if remade {
+            Written::Outgrown
+        } else {
+            self.parts.host_buffers.update(&self.gpu, &host, &views)?
+        };
+        match written {
+            Written::Bytes(bytes) => self.uploaded += bytes,
+            Written::Outgrown => {
+                self.parts = Parts::new(
+                    &self.gpu,
+                    &self.plan,
+                    &self.pipelines,
+                    &self.scene,
+                    &host,
+                    self.size,
+                )?;
+            }
+        }
+        self.parts.resources.views = views;
+        self.host = host;
+        Ok(())
+    }
+
+    /// Renders the frame, waits for it, and tells how long it took. Nothing is made or uploaded.
+    ///
+    /// # Errors
+    /// When the graphics library or the driver refuses, or the device is lost.
+    pub fn render(&mut self) -> Result<FrameTiming, GpuError> {
+        let (instrument, queries) = match &self.clock {
+            Some(clock) => (
+                Instrument::Timestamps(&clock.queries.set),
+                Some(&clock.queries),
+            ),
+            None => (Instrument::Nothing, None),
+        };
+        let wall_ms = self.run(instrument, queries)?;
+        let ticks = queries.map(|q| q.read(&self.gpu)).transpose()?;
+        let names: Vec<&str> = self.parts.steps.iter().map(|s| s.name.as_str()).collect();
+        let passes: Vec<[u64; 2]> = ticks
+            .iter()
+            .flatten()
+            .copied()
+            .collect::<Vec<_>>()
+            .chunks_exact(2)
+            .map(|p| [p[0], p[1]])
+            .take(names.len())
+            .collect();
+        let stamps = ticks.as_ref().map(|ticks| Stamps {
+            passes: &passes,
+            frame: self.marked().then(|| {
+                let [_, begin, end, _] = frame_stamps(names.len());
+                [ticks[begin], ticks[end]]
+            }),
+            period: f64::from(self.gpu.queue().get_timestamp_period()),
+        });
+        Ok(timing::judge(stamps, &names, wall_ms))
+    }
+
+    /// Whether marks before and after the frame tell its time.
+    fn marked(&self) -> bool {
+        self.clock
+            .as_ref()
+            .is_some_and(|clock| clock.pixel.is_some())
+    }
+
+    /// Records and runs the frame; milliseconds from submission to the end of waiting.
+    pub(crate) fn run(
+        &self,
+        instrument: Instrument,
+        queries: Option<&Queries>,
+    ) -> Result<f64, GpuError> {
+        let steps = &self.parts.steps;
+        let mark = match (&self.clock, instrument) {
+            (
+                Some(Clock {
+                    pixel: Some(pixel), ..
+                }),
+                Instrument::Timestamps(set),
+            ) => Some((pixel, set)),
+            _ => None,
+        };
+        let [first, _, last, _] = frame_stamps(steps.len());
+        let commands = self.gpu.attempt("recording a frame", || {
+            let mut encoder = self
+                .gpu
+                .device()
+                .create_command_encoder(&Default::default());
+            if let Some((pixel, set)) = mark {
+                record::mark(&mut encoder, pixel, set, first);
+            }
+            for (name, buffer) in &self.plan.buffers {
+                if let Some(held) = self
+                    .parts
+                    .resources
+                    .buffers
+                    .get(name)
+                    .filter(|_| buffer.zeroed)
+                {
+                    encoder.clear_buffer(held, 0, None);
+                }
+            }
+            for (index, step) in steps.iter().enumerate() {
+                record::step(&mut encoder, &self.scene, index, step, instrument);
+            }
+            if let Some((pixel, set)) = mark {
+                record::mark(&mut encoder, pixel, set, last);
+            }
+            if let Some(queries) = queries {
+                queries.resolve(&mut encoder);
+            }
+            encoder.finish()
+        })?;
+        let start = Instant::now();
+        self.gpu
+            .attempt("running a frame", || self.gpu.queue().submit([commands]))?;
+        self.gpu.wait()?;
+        Ok(start.elapsed().as_secs_f64() * 1e3)
+    }
+
+    /// Reads a texture of the plan as it stands.
+    ///
+    /// # Errors
+    /// When there is none of that name, and when the read-back fails.
+    pub fn read(&self, texture: &str) -> Result<Pixels, GpuError> {
+        let textures = &self.parts.resources.textures;
+        let target = textures.get(texture).ok_or_else(|| {
+            let names: Vec<&str> = textures.keys().map(String::as_str).collect();
+            GpuError::Plan(format!(
+                "there is no texture `{texture}`; there is {}",
+                names.join(", ")
+            ))
+        })?;
+        readback::texture(&self.gpu, &target.texture, target.format, target.size)
+    }
+
+    /// Reads a buffer of the plan as it stands; its length is rounded up to whole words.
+    ///
+    /// # Errors
+    /// When there is none of that name, and when the read-back fails.
+    pub fn read_buffer(&self, buffer: &str) -> Result<Vec<u8>, GpuError> {
+        let buffers = &self.parts.resources.buffers;
+        let held = buffers.get(buffer).ok_or_else(|| {
+            let names: Vec<&str> = buffers.keys().map(String::as_str).collect();
+            GpuError::Plan(format!(
+                "there is no buffer `{buffer}`; there is {}",
+                names.join(", ")
+            ))
+        })?;
+        readback::buffer(&self.gpu, held)
+    }
+
+    /// The plan that is rendered.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// A view of the frame: what its pixels are.
+    pub fn view(&self, size: Size) -> View {
+        *self.views().get(size)
+    }
+
+    /// Bytes that [`Frame::update`] has written so far.
+    pub fn uploaded(&self) -> u64 {
+        self.uploaded
+    }
+
+    pub(crate) fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    pub(crate) fn steps(&self) -> &[Step] {
+        &self.parts.steps
+    }
+
+    pub(crate) fn resources(&self) -> &Resources {
+        &self.parts.resources
+    }
+
+    fn views(&self) -> &Views {
+        &self.parts.resources.views
+    }
+}
+
+impl Parts {
+    fn new(
+        gpu: &Gpu,
+        plan: &Plan,
+        pipelines: &[Arc<Pipeline>],
+        scene: &SceneBuffers,
+        host: &HostScene,
+        size: UVec2,
+    ) -> Result<Self, GpuError> {
+        let views = host.views(size, scene.heights());
+        let resources = Resources::new(gpu, plan, &views)?;
+        let mut binder = Binder {
+            gpu,
+            resources: &resources,
+            scene: host,
+            host: HostBuffers::default(),
+        };
+        let builder = steps::Builder {
+            gpu,
+            plan,
+            pipelines,
+            resources: &resources,
+            scene,
+            eye_above: host.eye_above(),
+        };
+        let (steps, never_written) = builder.steps(&mut binder)?;
+        let host_buffers = binder.host;
+        if !never_written.is_empty() {
+            gpu.attempt("clearing textures", || {
+                let mut encoder = gpu.device().create_command_encoder(&Default::default());
+                record::clears(&mut encoder, &never_written, None);
+                gpu.queue().submit([encoder.finish()]);
+            })?;
+        }
+        Ok(Self {
+            resources,
+            host_buffers,
+            steps,
+        })
+    }
+}
+
+impl Clock {
+    /// None where the adapter has no timestamps, or there is nothing to time.
+    fn new(gpu: &Gpu, plan: &Plan, steps: &[Step]) -> Result<Option<Self>, GpuError> {
+        if !gpu.has_timestamps() || steps.is_empty() {
+            return Ok(None);
+        }
+        let marked = steps.iter().any(Step::is_compute) || plan.buffers.values().any(|b| b.zeroed);
+        let count = 2 * steps.len() + if marked { 4 } else { 0 };
+        let queries = Queries::new(gpu, wgpu::QueryType::Timestamp, count as u32, 1)?;
+        let descriptor = wgpu::TextureDescriptor {
+            label: Some("mark"),
+            size: wgpu::Extent3d::default(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba8Unorm,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+            view_formats: &[],
+        };
+        let pixel = || {
+            let texture = gpu.device().create_texture(&descriptor);
+            texture.create_view(&wgpu::TextureViewDescriptor::default())
+        };
+        let pixel = if marked {
+            Some(gpu.create("a pixel to mark frames", pixel)?)
+        } else {
+            None
+        };
+        Ok(Some(Self { queries, pixel }))
+    }
+}

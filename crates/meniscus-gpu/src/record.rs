@@ -1,0 +1,201 @@
+//! Recording a frame's steps, with or without instruments.
+
+use crate::pipelines::Stages;
+use crate::scene_buffers::SceneBuffers;
+use crate::steps::{Attachment, Clear, Draw, Step, Work, Workgroups};
+
+/// What is measured while a frame runs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Instrument<'a> {
+    Nothing,
+    /// Two timestamps a pass, then four of the frame: see [`frame_stamps`].
+    Timestamps(&'a wgpu::QuerySet),
+    /// One pipeline-statistics query a pass.
+    Statistics(&'a wgpu::QuerySet),
+}
+
+/// Indices of a pass's timestamps.
+fn pass_stamps(index: usize) -> (u32, u32) {
+    (2 * index as u32, 2 * index as u32 + 1)
+}
+
+/// Indices of the timestamps of the marks before and after a frame of so many passes: begin and
+/// end of the one, begin and end of the other.
+pub(crate) fn frame_stamps(passes: usize) -> [usize; 4] {
+    [2 * passes, 2 * passes + 1, 2 * passes + 2, 2 * passes + 3]
+}
+
+/// Records clears, each a render pass of its own; the first carries the begin timestamp.
+pub(crate) fn clears(
+    encoder: &mut wgpu::CommandEncoder,
+    clears: &[Clear],
+    stamp: Option<(&wgpu::QuerySet, u32)>,
+) {
+    for (index, clear) in clears.iter().enumerate() {
+        let attachment = Attachment {
+            view: clear.view.clone(),
+            clear: Some(clear.to),
+        };
+        let stamp = stamp.filter(|_| index == 0);
+        let writes = stamp.map(|(query_set, begin)| wgpu::RenderPassTimestampWrites {
+            query_set,
+            beginning_of_pass_write_index: Some(begin),
+            end_of_pass_write_index: None,
+        });
+        let (colours, depth) = if clear.depth {
+            (vec![], Some(depth_attachment(&attachment)))
+        } else {
+            (vec![Some(colour_attachment(&attachment))], None)
+        };
+        drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("clear"),
+            color_attachments: &colours,
+            depth_stencil_attachment: depth,
+            timestamp_writes: writes,
+            ..Default::default()
+        }));
+    }
+}
+
+/// Records a raster pass of one pixel that takes a begin and an end timestamp: some drivers keep
+/// compute passes out of the order in which raster passes take theirs.
+pub(crate) fn mark(
+    encoder: &mut wgpu::CommandEncoder,
+    pixel: &wgpu::TextureView,
+    queries: &wgpu::QuerySet,
+    first: usize,
+) {
+    let attachment = Attachment {
+        view: pixel.clone(),
+        clear: Some(wgpu::Color::TRANSPARENT),
+    };
+    drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("mark"),
+        color_attachments: &[Some(colour_attachment(&attachment))],
+        timestamp_writes: Some(wgpu::RenderPassTimestampWrites {
+            query_set: queries,
+            beginning_of_pass_write_index: Some(first as u32),
+            end_of_pass_write_index: Some(first as u32 + 1),
+        }),
+        ..Default::default()
+    }));
+}
+
+/// Records one step.
+pub(crate) fn step(
+    encoder: &mut wgpu::CommandEncoder,
+    scene: &SceneBuffers,
+    index: usize,
+    step: &Step,
+    instrument: Instrument,
+) {
+    let (begin, end) = pass_stamps(index);
+    let stamps = match instrument {
+        Instrument::Timestamps(queries) => Some(queries),
+        _ => None,
+    };
+    clears(
+        encoder,
+        &step.clears,
+        stamps.map(|queries| (queries, begin)),
+    );
+    // With clears before it, the pass has begun with the first of them.
+    let begin = step.clears.is_empty().then_some(begin);
+    let statistics = match instrument {
+        Instrument::Statistics(queries) => Some((queries, index as u32)),
+        _ => None,
+    };
+    match (&step.work, &step.pipeline.stages) {
+        (
+            Work::Render {
+                colours,
+                depth,
+                draw,
+            },
+            Stages::Render(pipeline),
+        ) => {
+            let colours: Vec<_> = colours.iter().map(|c| Some(colour_attachment(c))).collect();
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some(&step.name),
+                color_attachments: &colours,
+                depth_stencil_attachment: depth.as_ref().map(depth_attachment),
+                timestamp_writes: stamps.map(|query_set| wgpu::RenderPassTimestampWrites {
+                    query_set,
+                    beginning_of_pass_write_index: begin,
+                    end_of_pass_write_index: Some(end),
+                }),
+                ..Default::default()
+            });
+            if let Some((queries, index)) = statistics {
+                pass.begin_pipeline_statistics_query(queries, index);
+            }
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &step.bindings, &[]);
+            match (draw, scene.buffers()) {
+                (Draw::Scene(range), Some(geometry)) => {
+                    pass.set_vertex_buffer(0, geometry.vertices.slice(..));
+                    pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
+                    pass.draw_indexed(range.clone(), 0, 0..1);
+                }
+                (Draw::Screen, _) => pass.draw(0..3, 0..1),
+                _ => {}
+            }
+            if statistics.is_some() {
+                pass.end_pipeline_statistics_query();
+            }
+        }
+        (Work::Compute(workgroups), Stages::Compute(pipeline)) => {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some(&step.name),
+                timestamp_writes: stamps.map(|query_set| wgpu::ComputePassTimestampWrites {
+                    query_set,
+                    beginning_of_pass_write_index: begin,
+                    end_of_pass_write_index: Some(end),
+                }),
+            });
+            if let Some((queries, index)) = statistics {
+                pass.begin_pipeline_statistics_query(queries, index);
+            }
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &step.bindings, &[]);
+            match workgroups {
+                Workgroups::Direct([x, y, z]) => pass.dispatch_workgroups(*x, *y, *z),
+                Workgroups::Indirect(buffer) => pass.dispatch_workgroups_indirect(buffer, 0),
+            }
+            if statistics.is_some() {
+                pass.end_pipeline_statistics_query();
+            }
+        }
+        // Work and stages are made together, from one kind of pass.
+        _ => {}
+    }
+}
+
+fn colour_attachment(attachment: &Attachment) -> wgpu::RenderPassColorAttachment<'_> {
+    wgpu::RenderPassColorAttachment {
+        view: &attachment.view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations {
+            load: attachment
+                .clear
+                .map_or(wgpu::LoadOp::Load, wgpu::LoadOp::Clear),
+            store: wgpu::StoreOp::Store,
+        },
+    }
+}
+
+fn depth_attachment(attachment: &Attachment) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view: &attachment.view,
+        depth_ops: Some(wgpu::Operations {
+            load: match attachment.clear {
+                // Infinitely far: depth is reversed.
+                Some(_) => wgpu::LoadOp::Clear(0.0),
+                None => wgpu::LoadOp::Load,
+            },
+            store: wgpu::StoreOp::Store,
+        }),
+        stencil_ops: None,
+    }
+}

@@ -1,0 +1,195 @@
+//! The textures and buffers between the passes of a plan.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::UVec2;
+use meniscus_pipeline::{Format, Plan, Size};
+use meniscus_shader::BindingKind;
+
+use crate::host_scene::Views;
+use crate::{Gpu, GpuError, formats, steps};
+
+/// A texture with what is known of it.
+#[derive(Debug)]
+pub(crate) struct Target {
+    pub texture: wgpu::Texture,
+    pub view: wgpu::TextureView,
+    pub format: Format,
+    pub size: UVec2,
+}
+
+/// Everything that lies between passes.
+#[derive(Debug)]
+pub(crate) struct Resources {
+    pub textures: BTreeMap<String, Target>,
+    pub buffers: BTreeMap<String, wgpu::Buffer>,
+    /// What they are as large as.
+    pub views: Views,
+    /// Bilinear, clamped to the edge.
+    pub sampler: wgpu::Sampler,
+}
+
+/// Whether a picture of this size can be made.
+///
+/// # Errors
+/// When a side is 0 or exceeds the adapter's limit, which is named.
+pub(crate) fn check_size(gpu: &Gpu, what: &str, size: UVec2) -> Result<(), GpuError> {
+    let limit = gpu.max_size();
+    if size.min_element() == 0 || size.max_element() > limit {
+        return Err(GpuError::Size(format!(
+            "{what} of {}×{} pixels cannot be made: width and height are to be at least 1 and at most \
+             {limit}, the limit max_texture_dimension_2d of {}",
+            size.x,
+            size.y,
+            gpu.facts().name
+        )));
+    }
+    Ok(())
+}
+
+impl Resources {
+    /// Makes the textures and buffers of a plan.
+    pub fn new(gpu: &Gpu, plan: &Plan, views: &Views) -> Result<Self, GpuError> {
+        check_size(gpu, "a picture", views.size(Size::Frame))?;
+        check_size(
+            gpu,
+            "a picture with its guard band",
+            views.size(Size::Guarded),
+        )?;
+        let stored = stored(plan);
+        let mut textures = BTreeMap::new();
+        for (name, texture) in &plan.textures {
+            let size = views.size(texture.size);
+            let stored = stored.contains(name.as_str());
+            textures.insert(
+                name.clone(),
+                target(gpu, name, texture.format, size, stored)?,
+            );
+        }
+        let pixels = views.size(Size::Frame);
+        let pixels = u64::from(pixels.x) * u64::from(pixels.y);
+        let mut buffers = BTreeMap::new();
+        for (name, buffer) in &plan.buffers {
+            let bytes = buffer
+                .bytes_per_pixel
+                .checked_mul(pixels)
+                .and_then(|b| b.checked_add(buffer.bytes));
+            buffers.insert(name.clone(), storage(gpu, name, bytes, buffer.indirect)?);
+        }
+        let sampler = gpu.create("the sampler", || {
+            gpu.device().create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("linear_sampler"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            })
+        })?;
+        Ok(Self {
+            textures,
+            buffers,
+            views: *views,
+            sampler,
+        })
+    }
+
+    /// Bytes of all textures.
+    pub fn texture_bytes(&self) -> u64 {
+        let bytes = |t: &Target| {
+            u64::from(t.size.x) * u64::from(t.size.y) * u64::from(formats::texel_bytes(t.format))
+        };
+        self.textures.values().map(bytes).sum()
+    }
+
+    /// Bytes of all buffers.
+    pub fn buffer_bytes(&self) -> u64 {
+        self.buffers.values().map(wgpu::Buffer::size).sum()
+    }
+}
+
+/// The textures that some pass stores to.
+fn stored(plan: &Plan) -> BTreeSet<&str> {
+    let bindings = plan
+        .passes
+        .iter()
+        .flat_map(|pass| pass.shader.bindings.iter().map(move |b| (pass, b)));
+    bindings
+        .filter(|(_, b)| matches!(b.kind, BindingKind::StorageTexture { .. }))
+        .map(|(pass, binding)| steps::texture_name(pass, binding))
+        .collect()
+}
+
+fn target(
+    gpu: &Gpu,
+    name: &str,
+    format: Format,
+    size: UVec2,
+    stored: bool,
+) -> Result<Target, GpuError> {
+    let mut usage = wgpu::TextureUsages::RENDER_ATTACHMENT
+        | wgpu::TextureUsages::TEXTURE_BINDING
+        | wgpu::TextureUsages::COPY_SRC;
+    if stored {
+        usage |= wgpu::TextureUsages::STORAGE_BINDING;
+    }
+    let descriptor = wgpu::TextureDescriptor {
+        label: Some(name),
+        size: wgpu::Extent3d {
+            width: size.x,
+            height: size.y,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: formats::to_wgpu(format),
+        usage,
+        view_formats: &[],
+    };
+    let what = format!("the texture `{name}` of {}×{} pixels", size.x, size.y);
+    let (texture, view) = gpu.create(&what, || {
+        let texture = gpu.device().create_texture(&descriptor);
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        (texture, view)
+    })?;
+    Ok(Target {
+        texture,
+        view,
+        format,
+        size,
+    })
+}
+
+/// A buffer of this many bytes, which are rounded up to whole words; too many are none.
+fn storage(
+    gpu: &Gpu,
+    name: &str,
+    bytes: Option<u64>,
+    indirect: bool,
+) -> Result<wgpu::Buffer, GpuError> {
+    let limits = gpu.device().limits();
+    let limit = limits
+        .max_buffer_size
+        .min(limits.max_storage_buffer_binding_size);
+    let Some(size) = bytes.filter(|&b| b > 0 && b <= limit) else {
+        let bytes = bytes.map_or("too many".to_owned(), |b| b.to_string());
+        return Err(GpuError::Size(format!(
+            "the buffer `{name}` of {bytes} bytes cannot be made: it is to have at least 1 and at most \
+             {limit} bytes, the limit max_storage_buffer_binding_size of {}",
+            gpu.facts().name
+        )));
+    };
+    let mut usage =
+        wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+    if indirect {
+        usage |= wgpu::BufferUsages::INDIRECT;
+    }
+    let descriptor = wgpu::BufferDescriptor {
+        label: Some(name),
+        size: size.next_multiple_of(4),
+        usage,
+        mapped_at_creation: false,
+    };
+    gpu.create(&format!("the buffer `{name}`"), || {
+        gpu.device().create_buffer(&descriptor)
+    })
+}

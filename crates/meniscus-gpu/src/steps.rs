@@ -1,0 +1,369 @@
+//! A plan's passes as steps that only need to be recorded.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+use std::sync::Arc;
+
+use glam::UVec2;
+use meniscus_pipeline::{PassKind, Plan, PlannedPass};
+use meniscus_shader::{Binding, BindingKind, Entry};
+
+use crate::bindings::Binder;
+use crate::pipelines::{Pipeline, Stages};
+use crate::resources::{Resources, Target};
+use crate::scene_buffers::SceneBuffers;
+use crate::{Gpu, GpuError, formats};
+
+/// One pass, ready to be recorded.
+#[derive(Debug)]
+pub(crate) struct Step {
+    pub name: String,
+    /// Textures to be cleared before it.
+    pub clears: Vec<Clear>,
+    pub pipeline: Arc<Pipeline>,
+    pub bindings: wgpu::BindGroup,
+    pub work: Work,
+}
+
+/// What a step does.
+#[derive(Debug)]
+pub(crate) enum Work {
+    Render {
+        colours: Vec<Attachment>,
+        depth: Option<Attachment>,
+        draw: Draw,
+    },
+    Compute(Workgroups),
+}
+
+/// A texture that is rendered to.
+#[derive(Debug)]
+pub(crate) struct Attachment {
+    pub view: wgpu::TextureView,
+    /// What it is cleared to; none where its content stays.
+    pub clear: Option<wgpu::Color>,
+}
+
+/// A texture that is cleared by itself.
+#[derive(Debug)]
+pub(crate) struct Clear {
+    pub view: wgpu::TextureView,
+    pub depth: bool,
+    pub to: wgpu::Color,
+}
+
+/// What is drawn.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Draw {
+    /// Triangles of the scene: a range of its indices.
+    Scene(Range<u32>),
+    /// One triangle that covers everything.
+    Screen,
+    /// Nothing; the targets are cleared all the same.
+    Nothing,
+}
+
+/// How many workgroups run.
+#[derive(Debug)]
+pub(crate) enum Workgroups {
+    Direct([u32; 3]),
+    Indirect(wgpu::Buffer),
+}
+
+/// What all steps are built from.
+pub(crate) struct Builder<'a> {
+    pub gpu: &'a Gpu,
+    pub plan: &'a Plan,
+    pub pipelines: &'a [Arc<Pipeline>],
+    pub resources: &'a Resources,
+    pub scene: &'a SceneBuffers,
+    pub eye_above: bool,
+}
+
+/// The texture that a binding stands for: an output's target, or the one it is connected to.
+pub(crate) fn texture_name<'a>(pass: &'a PlannedPass, binding: &'a Binding) -> &'a str {
+    if matches!(binding.kind, BindingKind::StorageTexture { .. }) {
+        let names = [&binding.resource, &binding.variable];
+        let output = pass
+            .shader
+            .outputs
+            .iter()
+            .position(|output| names.contains(&output));
+        if let Some(target) = output.and_then(|index| pass.targets.get(index)) {
+            return target;
+        }
+    }
+    &binding.resource
+}
+
+/// The textures that a pass samples.
+fn reads(pass: &PlannedPass) -> impl Iterator<Item = &str> {
+    let sampled = |b: &&Binding| matches!(b.kind, BindingKind::Texture { .. });
+    pass.shader
+        .bindings
+        .iter()
+        .filter(sampled)
+        .map(|b| texture_name(pass, b))
+}
+
+/// The textures that a pass writes, depth included.
+fn writes(pass: &PlannedPass) -> BTreeSet<&str> {
+    let stored = |b: &&Binding| matches!(b.kind, BindingKind::StorageTexture { .. });
+    let stored = pass
+        .shader
+        .bindings
+        .iter()
+        .filter(stored)
+        .map(|b| texture_name(pass, b));
+    stored
+        .chain(pass.targets.iter().map(String::as_str))
+        .chain(pass.depth.as_deref())
+        .collect()
+}
+
+impl Builder<'_> {
+    /// The steps of a frame, and the textures that no pass writes, to be cleared once.
+    pub fn steps(&self, binder: &mut Binder) -> Result<(Vec<Step>, Vec<Clear>), GpuError> {
+        let mut written = BTreeSet::new();
+        let mut steps = Vec::with_capacity(self.plan.passes.len());
+        let ever: BTreeSet<&str> = self.plan.passes.iter().flat_map(writes).collect();
+        for (pass, pipeline) in self.plan.passes.iter().zip(self.pipelines) {
+            self.check(pass)?;
+            let mut clears = Vec::new();
+            for name in reads(pass) {
+                // Read first and written later: what is read is not to be the last frame's.
+                if ever.contains(name) && !written.contains(name) {
+                    clears.push(clear(self.texture(pass, name)?));
+                    written.insert(name);
+                }
+            }
+            let work = match &pass.kind {
+                PassKind::Draw(_) | PassKind::Screen => self.render(pass, &mut written)?,
+                _ => {
+                    for name in writes(pass) {
+                        if written.insert(name) {
+                            clears.push(clear(self.texture(pass, name)?));
+                        }
+                    }
+                    Work::Compute(self.workgroups(pass)?)
+                }
+            };
+            steps.push(Step {
+                name: pass.name.clone(),
+                clears,
+                pipeline: pipeline.clone(),
+                bindings: binder.bind(pass, &pipeline.layout)?,
+                work,
+            });
+        }
+        let never = self
+            .resources
+            .textures
+            .iter()
+            .filter(|(name, _)| !ever.contains(name.as_str()));
+        Ok((steps, never.map(|(_, target)| clear(target)).collect()))
+    }
+
+    fn texture(&self, pass: &PlannedPass, name: &str) -> Result<&Target, GpuError> {
+        self.resources.textures.get(name).ok_or_else(|| {
+            GpuError::Plan(format!(
+                "pass `{}` uses the texture `{name}`, which is not there",
+                pass.name
+            ))
+        })
+    }
+
+    /// What no graphics library would tell in the pipeline's words.
+    fn check(&self, pass: &PlannedPass) -> Result<(), GpuError> {
+        let wrong =
+            |message: String| Err(GpuError::Plan(format!("pass `{}` {message}", pass.name)));
+        let renders = matches!(pass.kind, PassKind::Draw(_) | PassKind::Screen);
+        if renders != matches!(pass.shader.entry, Entry::Render { .. }) {
+            return wrong("has a shader of another stage than it runs in".to_owned());
+        }
+        if renders && pass.targets.len() != pass.shader.outputs.len() {
+            let (outputs, targets) = (pass.shader.outputs.len(), pass.targets.len());
+            return wrong(format!(
+                "has {outputs} outputs and {targets} textures to write"
+            ));
+        }
+        let written = writes(pass);
+        if let Some(both) = reads(pass).find(|name| written.contains(name)) {
+            return wrong(format!("reads the texture `{both}` while it writes it"));
+        }
+        if renders && written.is_empty() {
+            return wrong("writes no texture, which a draw or screen pass has to".to_owned());
+        }
+        let mut size: Option<(&str, UVec2)> = None;
+        for name in pass
+            .targets
+            .iter()
+            .map(String::as_str)
+            .chain(pass.depth.as_deref())
+        {
+            let target = self.texture(pass, name)?;
+            if formats::is_depth(target.format) != (pass.depth.as_deref() == Some(name)) {
+                return wrong(format!(
+                    "writes `{name}` as what it is not: depth goes to a depth format"
+                ));
+            }
+            match size {
+                Some((first, size)) if size != target.size => {
+                    return wrong(format!(
+                        "writes `{first}` and `{name}`, which differ in size"
+                    ));
+                }
+                _ => size = Some((name, target.size)),
+            }
+        }
+        Ok(())
+    }
+
+    fn render<'n>(
+        &self,
+        pass: &'n PlannedPass,
+        written: &mut BTreeSet<&'n str>,
+    ) -> Result<Work, GpuError> {
+        let mut attachment = |name: &'n str| -> Result<Attachment, GpuError> {
+            let target = self.texture(pass, name)?;
+            let first = written.insert(name);
+            Ok(Attachment {
+                view: target.view.clone(),
+                clear: first.then(|| formats::empty(target.format)),
+            })
+        };
+        let colours = pass
+            .targets
+            .iter()
+            .map(|name| attachment(name))
+            .collect::<Result<_, _>>()?;
+        let depth = pass.depth.as_deref().map(attachment).transpose()?;
+        let draw = match &pass.kind {
+            PassKind::Draw(geometry) => match self.scene.range(*geometry, self.eye_above) {
+                range if range.is_empty() => Draw::Nothing,
+                range => Draw::Scene(range),
+            },
+            _ => Draw::Screen,
+        };
+        Ok(Work::Render {
+            colours,
+            depth,
+            draw,
+        })
+    }
+
+    fn workgroups(&self, pass: &PlannedPass) -> Result<Workgroups, GpuError> {
+        let Entry::Compute { workgroup, .. } = pass.shader.entry else {
+            return Err(GpuError::Plan(format!(
+                "pass `{}` has no compute shader",
+                pass.name
+            )));
+        };
+        let covering = |size: UVec2| {
+            let groups = |pixels: u32, threads: u32| pixels.div_ceil(threads.max(1));
+            [
+                groups(size.x, workgroup[0]),
+                groups(size.y, workgroup[1]),
+                1,
+            ]
+        };
+        let groups = match &pass.kind {
+            PassKind::DispatchIndirect(name) => return self.indirect(pass, name),
+            PassKind::DispatchFixed(groups) => *groups,
+            PassKind::Dispatch(size) => covering(self.resources.views.size(*size)),
+            _ => match pass.targets.first() {
+                Some(name) => covering(self.texture(pass, name)?.size),
+                None => {
+                    return Err(GpuError::Plan(format!(
+                        "pass `{}` has no texture to cover",
+                        pass.name
+                    )));
+                }
+            },
+        };
+        let limit = self
+            .gpu
+            .device()
+            .limits()
+            .max_compute_workgroups_per_dimension;
+        if groups.iter().any(|&g| g > limit) {
+            return Err(GpuError::Size(format!(
+                "pass `{}` needs {groups:?} workgroups; the adapter allows {limit} along each axis \
+                 (max_compute_workgroups_per_dimension)",
+                pass.name
+            )));
+        }
+        Ok(Workgroups::Direct(groups))
+    }
+
+    fn indirect(&self, pass: &PlannedPass, name: &str) -> Result<Workgroups, GpuError> {
+        let wrong = |message: &str| {
+            Err(GpuError::Plan(format!(
+                "pass `{}` takes its workgroups from `{name}`, {message}",
+                pass.name
+            )))
+        };
+        let (Some(buffer), Some(planned)) = (
+            self.resources.buffers.get(name),
+            self.plan.buffers.get(name),
+        ) else {
+            return wrong("which is not there");
+        };
+        if !planned.indirect {
+            return wrong("which is not declared as indirect");
+        }
+        if buffer.size() < 12 {
+            return wrong("which is too short: three u32 are needed");
+        }
+        let writes = |b: &Binding| {
+            b.resource == name
+                && matches!(
+                    b.kind,
+                    BindingKind::Storage {
+                        read_only: false,
+                        ..
+                    }
+                )
+        };
+        if pass.shader.bindings.iter().any(writes) {
+            return wrong("which it also writes: let an earlier pass write it");
+        }
+        Ok(Workgroups::Indirect(buffer.clone()))
+    }
+}
+
+fn clear(target: &Target) -> Clear {
+    Clear {
+        view: target.view.clone(),
+        depth: formats::is_depth(target.format),
+        to: formats::empty(target.format),
+    }
+}
+
+/// The formats of a pass's colour targets.
+pub(crate) fn colour_formats(
+    plan: &Plan,
+    pass: &PlannedPass,
+) -> Result<Vec<wgpu::TextureFormat>, GpuError> {
+    // Storage textures' formats are in the shader.
+    if !matches!(pass.kind, PassKind::Draw(_) | PassKind::Screen) {
+        return Ok(Vec::new());
+    }
+    let format = |name: &String| {
+        let texture = plan.textures.get(name).ok_or_else(|| {
+            GpuError::Plan(format!(
+                "pass `{}` writes the texture `{name}`, which is not there",
+                pass.name
+            ))
+        })?;
+        Ok(formats::to_wgpu(texture.format))
+    };
+    pass.targets.iter().map(format).collect()
+}
+
+impl Step {
+    /// Whether it is recorded as a compute pass.
+    pub fn is_compute(&self) -> bool {
+        matches!(self.pipeline.stages, Stages::Compute(_))
+    }
+}
