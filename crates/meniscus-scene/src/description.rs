@@ -1,8 +1,10 @@
 //! What a scene file says, as it is written.
 
 use std::fmt;
+use std::sync::Arc;
 
-use meniscus_source::ron::{Entries, Spanned};
+use meniscus_source::ron::{Entries, Spanned, from_source};
+use meniscus_source::{Report, SourceFile};
 use serde::Deserialize;
 use serde::de::{Deserializer, Visitor};
 
@@ -35,6 +37,89 @@ pub(crate) struct SceneFile {
     #[serde(default)]
     pub materials: Entries<MaterialFile>,
     pub objects: Vec<Spanned<ObjectFile>>,
+}
+
+/// A scene given as a difference to another one.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(rename = "Variant", deny_unknown_fields)]
+pub(crate) struct VariantFile {
+    pub of: Spanned<String>,
+    pub about: String,
+    #[serde(default)]
+    pub set: Entries<Spanned<Plain>>,
+}
+
+/// A number or a word, as text.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Plain(pub String);
+
+impl<'de> Deserialize<'de> for Plain {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct PlainVisitor;
+        impl Visitor<'_> for PlainVisitor {
+            type Value = Plain;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number or a text such as \"16k\" or \"flat\"")
+            }
+            fn visit_i64<E>(self, value: i64) -> Result<Plain, E> {
+                Ok(Plain(value.to_string()))
+            }
+            fn visit_u64<E>(self, value: u64) -> Result<Plain, E> {
+                Ok(Plain(value.to_string()))
+            }
+            fn visit_f64<E>(self, value: f64) -> Result<Plain, E> {
+                Ok(Plain(value.to_string()))
+            }
+            fn visit_str<E>(self, text: &str) -> Result<Plain, E> {
+                Ok(Plain(text.to_owned()))
+            }
+        }
+        deserializer.deserialize_any(PlainVisitor)
+    }
+}
+
+/// What a file that can be loaded by name holds.
+#[derive(Debug, Clone)]
+pub(crate) enum Document {
+    Scene(Box<SceneFile>),
+    Variant(VariantFile),
+}
+
+impl Document {
+    /// Reads a file; the first word outside comments says which of both it is.
+    pub fn read(file: &Arc<SourceFile>) -> Result<Self, Report> {
+        if first_word(&file.text) == "Variant" {
+            from_source(file).map(Self::Variant)
+        } else {
+            from_source(file).map(|scene| Self::Scene(Box::new(scene)))
+        }
+    }
+
+    /// The line that the file says about itself.
+    pub fn about(&self) -> &str {
+        match self {
+            Self::Scene(scene) => &scene.about,
+            Self::Variant(variant) => &variant.about,
+        }
+    }
+}
+
+fn first_word(mut text: &str) -> &str {
+    loop {
+        text = text.trim_start();
+        let rest = if text.starts_with("//") {
+            text.split_once('\n')
+        } else if text.starts_with("/*") {
+            text.split_once("*/")
+        } else {
+            break;
+        };
+        text = rest.map_or("", |(_, rest)| rest);
+    }
+    let end = text
+        .find(|c: char| !c.is_alphanumeric())
+        .unwrap_or(text.len());
+    &text[..end]
 }
 
 /// Lengths in metres, angles in degrees.

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use meniscus_source::ron::from_source;
+use meniscus_source::ron::Spanned;
 use meniscus_source::{Diagnostic, Report, SourceFile};
 
 use crate::Scene;
-use crate::description::SceneFile;
+use crate::description::Document;
 use crate::lower::stem;
-use crate::settings::Setting;
+use crate::settings::{Setting, located};
 
 /// A scene file that has a name.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,10 +51,10 @@ impl SceneSource {
     /// # Errors
     /// When the file is not a scene file.
     pub fn about(&self) -> Result<String, Report> {
-        Ok(from_source::<SceneFile>(&self.file)?.about)
+        Ok(Document::read(&self.file)?.about().to_owned())
     }
 
-    /// Makes the scene.
+    /// Makes the scene; a variant of another one needs a library, see [`Library::load`].
     ///
     /// # Errors
     /// See [`Scene::load`].
@@ -131,11 +131,41 @@ impl Library {
             .with_help("a scene is named as in `meniscus list`, or by the path of a .ron file"))
     }
 
-    /// Makes a scene.
+    /// Makes a scene. A variant's settings come before those given here, so these win.
     ///
     /// # Errors
-    /// See [`Library::find`] and [`Scene::load`].
+    /// See [`Library::find`] and [`Scene::load`]; also when variants go round in a circle.
     pub fn load(&self, name: &str, settings: &[Setting]) -> Result<Scene, Report> {
-        self.find(name)?.load(settings)
+        let asked = self.find(name)?;
+        let (mut source, mut settings, mut passed) = (asked.clone(), settings.to_vec(), Vec::new());
+        while let Document::Variant(variant) = Document::read(&source.file)? {
+            passed.push(source.name.clone());
+            let base = self
+                .find(&variant.of)
+                .map_err(|fault| located(fault, &variant.of.place))?;
+            if passed.contains(&base.name) {
+                let message = format!("scene `{}` is a variant of itself", base.name);
+                return Err(located(Diagnostic::error(message), &variant.of.place)
+                    .with_help(format!(
+                        "the chain is {} → {}",
+                        passed.join(" → "),
+                        base.name
+                    ))
+                    .into());
+            }
+            let own = variant.set.iter().map(|(key, value)| Setting {
+                key: key.clone(),
+                value: Spanned {
+                    value: value.value.0.clone(),
+                    place: value.place.clone(),
+                },
+            });
+            settings = own.chain(settings).collect();
+            source = base;
+        }
+        Ok(Scene {
+            name: asked.name,
+            ..source.load(&settings)?
+        })
     }
 }

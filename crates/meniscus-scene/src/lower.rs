@@ -4,11 +4,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3, EulerRot, Vec3};
-use meniscus_source::ron::{Spanned, from_source};
+use meniscus_source::ron::Spanned;
 use meniscus_source::{Diagnostic, Report, SourceFile};
 
 use crate::description::{
-    GeometryFile, MaterialFile, Number, ObjectFile, Pair, SceneFile, Triple, WaterFile,
+    Document, GeometryFile, MaterialFile, Number, ObjectFile, Pair, SceneFile, Triple, WaterFile,
 };
 use crate::generate::{Source, source};
 use crate::settings::{self, Setting, located, start_of, within};
@@ -35,7 +35,13 @@ impl Scene {
         base_dir: Option<&Path>,
         settings: &[Setting],
     ) -> Result<Self, Report> {
-        let mut described: SceneFile = from_source(file)?;
+        let mut described = match Document::read(file)? {
+            Document::Scene(scene) => *scene,
+            Document::Variant(variant) => {
+                let message = "a variant of another scene is loaded from a library of scenes";
+                return Err(located(Diagnostic::error(message), &variant.of.place).into());
+            }
+        };
         let mut report = settings::apply(&mut described, settings);
         report.extend(settings::check(&mut described));
         if !report.is_ok() {

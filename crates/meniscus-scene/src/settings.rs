@@ -251,7 +251,7 @@ fn apply_one(scene: &mut SceneFile, setting: &Setting) -> Result<(), Diagnostic>
     let text = setting.value.value.as_str();
     let refused = |what: &str| {
         located(
-            Diagnostic::error(format!("`{name}` is {what}, not `{text}`")),
+            Diagnostic::error(format!("`{name}` must be {what}, not `{text}`")),
             &setting.value.place,
         )
         .with_help(format!("{name}: {} ({})", key.meaning, key.values))
