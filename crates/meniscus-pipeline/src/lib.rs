@@ -3,8 +3,10 @@
 mod facts;
 mod file;
 pub mod host;
+mod interface;
 mod pipeline;
 mod plan;
+mod planner;
 
 pub use facts::{Facts, KNOWN as KNOWN_FACTS};
 pub use file::{Dispatch, Over, Runs};

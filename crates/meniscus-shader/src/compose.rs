@@ -49,11 +49,14 @@ pub enum Stage {
     List,
 }
 
+/// A text, and the resources that its variables are connected to.
+type Key = (String, BTreeMap<String, String>);
+
 /// Composes recipes from one library and keeps what it has composed.
 #[derive(Debug)]
 pub struct Composer {
     library: Library,
-    kept: Mutex<HashMap<String, Arc<Shader>>>,
+    kept: Mutex<HashMap<Key, Arc<Shader>>>,
     composed: AtomicU64,
 }
 
@@ -83,13 +86,13 @@ impl Composer {
     /// Everything that is wrong with the recipe and with the modules it is made of.
     pub fn compose(&self, recipe: &Recipe) -> Result<Arc<Shader>, Report> {
         let written = self.write(recipe)?;
-        // The text holds everything that decides the outcome, so it is the key.
+        // Text and connections hold everything that decides the outcome, so they are the key.
+        let key = (written.source.text.clone(), written.resources.clone());
         let lock = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(shader) = lock().get(&written.source.text) {
+        if let Some(shader) = lock().get(&key) {
             return Ok(shader.clone());
         }
         self.composed.fetch_add(1, Ordering::Relaxed);
-        let key = written.source.text.clone();
         let shader = Arc::new(ir::shader(written, &self.library)?);
         Ok(lock().entry(key).or_insert(shader).clone())
     }

@@ -41,6 +41,8 @@ struct Scope<'r> {
 /// Instances in the order they were needed; the skeleton is the last.
 pub(crate) struct Instances<'l> {
     pub all: Vec<Instance<'l>>,
+    /// The resources that variables of the whole shader are connected to, by variable.
+    pub reads: BTreeMap<String, String>,
 }
 
 struct Resolver<'l, 'r> {
@@ -76,7 +78,7 @@ pub(crate) fn resolve<'l>(
             parent: None,
             fillings,
             role: Vec::new(),
-            reads,
+            reads: reads.clone(),
         }],
         instances: Vec::new(),
         needed: HashMap::new(),
@@ -89,12 +91,11 @@ pub(crate) fn resolve<'l>(
     resolver.check_fillings(fillings, None);
     let slots = resolver.slots_of(skeleton, 0);
     let needs = resolver.needs_of(skeleton, 0);
-    let reads = resolver.reads_of(skeleton, 0);
     let instance = Instance {
         module: skeleton,
         role: Vec::new(),
         slot: None,
-        reads,
+        reads: resolver.reads_of(skeleton, 0),
         slots,
         needs,
         place: place.cloned(),
@@ -103,7 +104,10 @@ pub(crate) fn resolve<'l>(
     let Resolver {
         instances, report, ..
     } = resolver;
-    report.into_result(Instances { all: instances })
+    report.into_result(Instances {
+        all: instances,
+        reads,
+    })
 }
 
 impl<'l, 'r> Resolver<'l, 'r> {
@@ -202,7 +206,7 @@ impl<'l, 'r> Resolver<'l, 'r> {
         self.check_fillings(&filling.slots, Some(module));
         let shareable = filling.slots.is_empty()
             && filling.reads.is_empty()
-            && self.scopes[scope].reads.is_empty()
+            && scope == 0
             && module.header.slots.is_empty()
             && module.overrides().next().is_none();
         let key = (module.path.clone(), slot.path.clone());

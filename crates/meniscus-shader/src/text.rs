@@ -133,7 +133,8 @@ pub(crate) fn write(instances: &Instances, entry: entry::Written) -> Result<Writ
     }
     let _ = write!(source.text, "// ---- entry points\n{}", entry.text);
 
-    let mut resources = BTreeMap::new();
+    // The entry points' own variables are connected like everything that is shared.
+    let mut resources = instances.reads.clone();
     let mut overrides = BTreeMap::new();
     let mut originals = BTreeMap::new();
     for (instance, names) in instances.all.iter().zip(&names) {
@@ -193,7 +194,7 @@ fn name_all(instances: &Instances) -> Vec<Names> {
             names.extend(all[needed].iter().map(|(k, v)| (k.clone(), v.clone())));
         }
         for item in &instance.module.outline.items {
-            let name = own_name(instance, item, *copy);
+            let name = own_name(instance, item, *copy, &instances.reads);
             names.insert(item.name.clone(), name);
         }
         for (used, filling) in &instance.slots {
@@ -212,7 +213,14 @@ fn name_all(instances: &Instances) -> Vec<Names> {
 }
 
 /// The name of an item of an instance, `copy` counting the instances of its module from 1.
-fn own_name(instance: &Instance, item: &Item, copy: usize) -> String {
+///
+/// A variable keeps its name unless this instance is connected otherwise than the whole shader.
+fn own_name(
+    instance: &Instance,
+    item: &Item,
+    copy: usize,
+    shared: &BTreeMap<String, String>,
+) -> String {
     let role = instance.role.join("_");
     let name = &item.name;
     match (&item.kind, instance.slot) {
@@ -220,8 +228,8 @@ fn own_name(instance: &Instance, item: &Item, copy: usize) -> String {
             slot_function(slot, name, &role)
         }
         (ItemKind::Variable { .. }, _) => match instance.reads.get(name) {
-            Some(resource) => format!("{name}_from_{}", identifier(resource)),
-            None => name.clone(),
+            Some(resource) if shared.get(name) != Some(resource) => format!("{name}_from_{}", identifier(resource)),
+            _ => name.clone(),
         },
         (ItemKind::Override { .. }, _) if !role.is_empty() => format!("{role}_{name}"),
         _ if copy > 1 => format!("{name}_{copy}"),

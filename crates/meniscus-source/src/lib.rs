@@ -7,7 +7,9 @@ mod diagnostic;
 mod file;
 mod names;
 pub mod ron;
+mod tree;
 
 pub use diagnostic::{Diagnostic, Label, Report, Severity};
 pub use file::{MAX_SOURCE_BYTES, Place, SourceFile};
 pub use names::did_you_mean;
+pub use tree::read_tree;

@@ -1,0 +1,9 @@
+// Snell vertex transform: a point behind flat water stands on the vertical through it where the
+// straightened camera ray passes. Liu, Han, Fei 2020, broad phase; world space, metres.
+//
+// provides: place
+// needs: optics/flat_water, screen/target
+
+fn place(point: vec3f) -> vec3f {
+    return apparent_point(point, view_target.eye);
+}

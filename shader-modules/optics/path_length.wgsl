@@ -1,0 +1,21 @@
+// Snell vertex transform as published: a point behind flat water stands on the straightened camera
+// ray at the path's geometric length. Liu, Han, Fei 2020, eq. 2, with the horizontal direction and
+// the camera's position corrected. World space, metres.
+//
+// provides: place
+// needs: optics/flat_water, screen/target, water/body
+
+fn place(point: vec3f) -> vec3f {
+    let path = flat_path(point, view_target.eye);
+    if path.point_depth <= 0.0 {
+        return point;
+    }
+    let u = path.crossing.tangent;
+    let tangents = select(vec2f(u * path.crossing.shrink, u), vec2f(u, u * path.crossing.shrink), path.eye_low);
+    let slants = sqrt(1.0 + tangents * tangents);
+    let reach = path.eye_depth * slants.x + path.point_depth * slants.y;
+    let apart = length(path.offset);
+    let ahead = select(vec2f(0.0), path.offset / max(apart, 1e-18), apart > 0.0);
+    let direction = vec3f(ahead * tangents.x, -water.camera_side) / slants.x;
+    return view_target.eye + reach * direction;
+}

@@ -1,0 +1,51 @@
+// Looks through the water: each pixel's ray meets it, is deflected, and meets something behind.
+// Where nothing stands before the sky, the sky; what stands before the water stays.
+// Outputs: `colour` linear RGB; `shown` the world point (metres) and object id of that colour.
+//
+// skeleton: screen
+// outputs: colour, shown
+// slots: meet, deflect, intersect, colour
+// needs: geometry/ray, geometry/hit, optics/deflected, screen/seen_view, screen/target, sky/gradient, water/meeting
+
+var front_depth: texture_depth_2d;
+
+struct Redirected {
+    ray: Ray,
+    hit: Hit,
+    // Whether water is seen here, and whether anything of this pass is.
+    wet: bool,
+    kept: bool,
+}
+
+fn screen(pixel: vec2f) -> Redirected {
+    let ray = view_ray(view_target, pixel);
+    let depth = textureLoad(front_depth, vec2i(pixel), 0);
+    let met = meet(ray);
+    // Depth is reversed: nearer is larger.
+    let wet = met.found && depth * dot(met.point - view_target.eye, view_target.forward) < view_target.near;
+    if !wet {
+        let nothing = Hit(vec3f(0.0), vec3f(0.0), vec3f(0.0), -1.0, pixel, 0.0, false);
+        return Redirected(ray, nothing, false, depth == 0.0);
+    }
+    let behind = deflect(Ray(met.point, ray.direction), met.normal);
+    let texel = pixel + 0.5 * (view_seen.size - view_target.size);
+    return Redirected(behind.ray, intersect(behind.ray, texel), true, true);
+}
+
+fn keep(redirected: Redirected) -> bool {
+    return redirected.kept;
+}
+
+fn write_colour(redirected: Redirected) -> vec4f {
+    if !redirected.wet {
+        return vec4f(sky_colour(redirected.ray.direction), 1.0);
+    }
+    return vec4f(colour(redirected.hit, redirected.ray), 1.0);
+}
+
+fn write_shown(redirected: Redirected) -> vec4f {
+    if !redirected.wet {
+        return vec4f(0.0, 0.0, 0.0, -1.0);
+    }
+    return shown(redirected.hit, redirected.ray);
+}

@@ -1,0 +1,59 @@
+// Draws solid surfaces, each vertex where `place` says that it appears.
+// Outputs: `colour` linear RGB; `position` the world point (metres) and object id, `apparent` the
+// same with the point where it appears; `normal` the geometric and the shading normal, octahedral;
+// `shown` the world point and id.
+//
+// skeleton: draw
+// outputs: colour, position, apparent, normal, shown
+// slots: place, shade, side
+// needs: geometry/octahedral, screen/target, shading/surface_point
+// flat: geometric_normal
+
+struct Varying {
+    clip: vec4f,
+    world: vec3f,
+    apparent: vec3f,
+    normal: vec3f,
+    geometric_normal: vec3f,
+    object: u32,
+}
+
+fn vertex(position: vec3f, normal: vec3f, geometric_normal: vec3f, object: u32) -> Varying {
+    let apparent = place(position);
+    return Varying(view_clip(view_target, apparent), position, apparent, normal, geometric_normal, object);
+}
+
+struct Drawn {
+    point: SurfacePoint,
+    apparent: vec3f,
+}
+
+fn fragment(v: Varying, front: bool) -> Drawn {
+    let normal = normalize(v.normal);
+    let facing = select(-1.0, 1.0, front);
+    return Drawn(SurfacePoint(v.world, normal, v.geometric_normal, facing, v.object), v.apparent);
+}
+
+fn keep(drawn: Drawn) -> bool {
+    return side(drawn.point.position);
+}
+
+fn write_colour(drawn: Drawn) -> vec4f {
+    return vec4f(shade(drawn.point), 1.0);
+}
+
+fn write_position(drawn: Drawn) -> vec4f {
+    return vec4f(drawn.point.position, f32(drawn.point.object));
+}
+
+fn write_apparent(drawn: Drawn) -> vec4f {
+    return vec4f(drawn.apparent, f32(drawn.point.object));
+}
+
+fn write_normal(drawn: Drawn) -> vec4f {
+    return vec4f(octahedral_encoded(drawn.point.geometric_normal), octahedral_encoded(drawn.point.normal));
+}
+
+fn write_shown(drawn: Drawn) -> vec4f {
+    return vec4f(drawn.point.position, f32(drawn.point.object));
+}

@@ -1,0 +1,47 @@
+// A pinhole camera: rays through pixels, and where points appear.
+// World space, metres; pixels with centres at half integers and y down. Depth is reversed and
+// without a far plane: near / distance along `forward`, 0 at infinity.
+//
+// needs: geometry/ray
+
+struct View {
+    eye: vec3f,
+    right: vec3f,
+    up: vec3f,
+    forward: vec3f,
+    // Focal length, pixels.
+    focal: f32,
+    // Width and height, pixels.
+    size: vec2f,
+    // Distance of the near plane, metres.
+    near: f32,
+}
+
+// The ray from the eye through a point of the picture.
+fn view_ray(view: View, pixel: vec2f) -> Ray {
+    let centred = pixel - 0.5 * view.size;
+    let direction = view.forward * view.focal + view.right * centred.x - view.up * centred.y;
+    return Ray(view.eye, normalize(direction));
+}
+
+// Clip-space position of a world point.
+fn view_clip(view: View, point: vec3f) -> vec4f {
+    let offset = point - view.eye;
+    let scale = 2.0 * view.focal / view.size;
+    return vec4f(
+        dot(offset, view.right) * scale.x,
+        dot(offset, view.up) * scale.y,
+        view.near,
+        dot(offset, view.forward),
+    );
+}
+
+// Where a world point appears, in pixels (xy), and its distance along `forward`, metres (z).
+// A point that is not before the eye appears where one just before it would.
+fn view_pixel(view: View, point: vec3f) -> vec3f {
+    let offset = point - view.eye;
+    let depth = dot(offset, view.forward);
+    let scale = view.focal / max(depth, 1e-6);
+    let centred = vec2f(dot(offset, view.right), -dot(offset, view.up)) * scale;
+    return vec3f(0.5 * view.size + centred, depth);
+}

@@ -1,0 +1,8 @@
+// Where a world point appears in the seen buffers without refraction, in texels.
+//
+// provides: reproject
+// needs: screen/seen_view
+
+fn reproject(point: vec3f) -> vec2f {
+    return view_pixel(view_seen, point).xy;
+}

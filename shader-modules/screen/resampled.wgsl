@@ -1,0 +1,40 @@
+// Fetches the colour that was drawn where the hit appears in the seen buffers.
+// Bilinear, clamped to the buffers; `shown` is fetched with the colour's own texels and weights,
+// from the nearest texel where they show different objects.
+//
+// provides: colour
+// needs: geometry/ray, geometry/hit, sky/gradient
+
+var seen_colour: texture_2d<f32>;
+var shown_of_seen_colour: texture_2d<f32>;
+var linear_sampler: sampler;
+
+fn colour(hit: Hit, ray: Ray) -> vec3f {
+    if !hit.found {
+        return sky_colour(ray.direction);
+    }
+    let size = vec2f(textureDimensions(seen_colour));
+    return textureSampleLevel(seen_colour, linear_sampler, hit.texel / size, 0.0).rgb;
+}
+
+fn shown(hit: Hit, ray: Ray) -> vec4f {
+    if !hit.found {
+        return vec4f(0.0, 0.0, 0.0, -1.0);
+    }
+    let last = vec2i(textureDimensions(shown_of_seen_colour)) - 1;
+    let texel = clamp(hit.texel, vec2f(0.5), vec2f(last) + 0.5);
+    let nearest = textureLoad(shown_of_seen_colour, vec2i(texel), 0);
+    let corner = floor(texel - 0.5);
+    let part = texel - 0.5 - corner;
+    var sum = vec3f(0.0);
+    for (var i = 0; i < 4; i++) {
+        let step = vec2i(i & 1, i >> 1u);
+        let point = textureLoad(shown_of_seen_colour, min(vec2i(corner) + step, last), 0);
+        if point.w != nearest.w {
+            return nearest;
+        }
+        let weights = select(1.0 - part, part, step == vec2i(1));
+        sum += weights.x * weights.y * (point.xyz - nearest.xyz);
+    }
+    return vec4f(nearest.xyz + sum, nearest.w);
+}

@@ -1,0 +1,40 @@
+// What was drawn of the far side of the water: positions, normals and ids.
+// World space, metres; texels with centres at half integers. Where nothing was drawn the id is −1.
+//
+// needs: geometry/octahedral
+
+var seen_position: texture_2d<f32>;
+var seen_normal: texture_2d<f32>;
+
+// `object` is −1 where nothing was seen; the rest means nothing then.
+struct Seen {
+    position: vec3f,
+    normal: vec3f,
+    shading_normal: vec3f,
+    object: f32,
+}
+
+// The point seen at a place of the seen buffers, clamped to them. The position is bilinear over
+// the texels that show the same object as the nearest one; the normals are the nearest texel's.
+fn seen_at(texel: vec2f) -> Seen {
+    let last = vec2i(textureDimensions(seen_position)) - 1;
+    let nearest = clamp(vec2i(floor(texel)), vec2i(0), last);
+    let kept = textureLoad(seen_position, nearest, 0);
+    let corner = floor(texel - 0.5);
+    let part = clamp(texel - 0.5 - corner, vec2f(0.0), vec2f(1.0));
+    var sum = vec4f(0.0);
+    for (var i = 0; i < 4; i++) {
+        let step = vec2i(i & 1, i >> 1u);
+        let point = textureLoad(seen_position, clamp(vec2i(corner) + step, vec2i(0), last), 0);
+        let weights = select(1.0 - part, part, step == vec2i(1));
+        let weight = weights.x * weights.y * f32(point.w == kept.w);
+        sum += weight * vec4f(point.xyz - kept.xyz, 1.0);
+    }
+    let normals = textureLoad(seen_normal, nearest, 0);
+    return Seen(
+        kept.xyz + sum.xyz / max(sum.w, 1e-6),
+        octahedral_decoded(normals.xy),
+        octahedral_decoded(normals.zw),
+        kept.w,
+    );
+}

@@ -1,0 +1,5 @@
+// The view that a pass draws.
+//
+// needs: screen/camera
+
+var<uniform> view_target: View;

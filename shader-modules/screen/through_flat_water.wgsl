@@ -1,0 +1,9 @@
+// Where a world point appears in the seen buffers through flat water, in texels.
+// Liu, Han, Fei 2020 (corrected): the same transform as the broad phase, then the camera.
+//
+// provides: reproject
+// needs: screen/seen_view, optics/flat_water
+
+fn reproject(point: vec3f) -> vec2f {
+    return view_pixel(view_seen, apparent_point(point, view_seen.eye)).xy;
+}

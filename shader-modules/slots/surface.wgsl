@@ -1,0 +1,8 @@
+// The water's shape above a place of the rest plane (metres). By default flat.
+//
+// needs: water/shape
+// when waves: water/wave_sum
+
+fn surface(at: vec2f) -> Shape {
+    return Shape(0.0, vec2f(0.0));
+}

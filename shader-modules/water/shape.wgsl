@@ -1,0 +1,12 @@
+// The height and slope of the water at a place.
+
+// `height` over the rest plane, metres; `gradient`: its derivatives along x and y.
+struct Shape {
+    height: f32,
+    gradient: vec2f,
+}
+
+// Unit normal, upwards.
+fn shape_normal(shape: Shape) -> vec3f {
+    return normalize(vec3f(-shape.gradient, 1.0));
+}

@@ -1,0 +1,28 @@
+// The water's shape as a sum of plane waves.
+// h = Σ A sin(k · x + φ), φ holding the time's part. Metres, radians.
+//
+// provides: surface
+// needs: water/shape
+
+struct Wave {
+    wave_vector: vec2f,
+    amplitude: f32,
+    phase: f32,
+}
+
+var<storage, read> waves: array<Wave>;
+
+// More terms than this are not looked at.
+const MOST_WAVES = 256u;
+
+fn surface(at: vec2f) -> Shape {
+    var shape = Shape(0.0, vec2f(0.0));
+    let count = min(arrayLength(&waves), MOST_WAVES);
+    for (var i = 0u; i < count; i++) {
+        let wave = waves[i];
+        let angle = dot(wave.wave_vector, at) + wave.phase;
+        shape.height += wave.amplitude * sin(angle);
+        shape.gradient += wave.amplitude * cos(angle) * wave.wave_vector;
+    }
+    return shape;
+}
