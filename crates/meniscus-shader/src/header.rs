@@ -197,7 +197,8 @@ impl Header {
     }
 }
 
-/// The `//` lines at the top of a text; blank lines between them are passed over.
+/// The `//` lines at the top of a text, up to the first line that is none: what follows a blank
+/// line belongs to a declaration.
 fn leading_lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     let mut at = 0;
     text.split_inclusive('\n')
@@ -206,18 +207,14 @@ fn leading_lines(text: &str) -> impl Iterator<Item = Line<'_>> {
             at += line.len();
             (line.trim_end(), start)
         })
+        .skip_while(|(line, _)| line.trim().is_empty())
         .map_while(|(line, start)| {
-            let trimmed = line.trim_start();
-            if trimmed.is_empty() {
-                return Some(None);
-            }
-            let comment = trimmed.strip_prefix("//")?;
-            Some(Some(Line {
+            let comment = line.trim_start().strip_prefix("//")?;
+            Some(Line {
                 text: comment,
                 start: start + (line.len() - comment.len()),
-            }))
+            })
         })
-        .flatten()
 }
 
 fn part(file: &Arc<SourceFile>, text: &str, start: usize) -> Name {
