@@ -178,6 +178,11 @@ impl Gpu {
         features.contains(wgpu::Features::PIPELINE_STATISTICS_QUERY)
     }
 
+    /// Whether shaders run on the CPU.
+    pub fn is_software(&self) -> bool {
+        self.device().adapter_info().device_type == wgpu::DeviceType::Cpu
+    }
+
     /// Largest width and height of a picture, pixels.
     pub fn max_size(&self) -> u32 {
         self.device().limits().max_texture_dimension_2d

@@ -13,7 +13,7 @@ use crate::host_scene::{HostScene, Views};
 use crate::pipelines::Pipeline;
 use crate::queries::Queries;
 use crate::readback::{self, Pixels};
-use crate::record::{self, Instrument, frame_stamps};
+use crate::record::{self, Instrument, Stopwatch};
 use crate::resources::{Resources, check_size};
 use crate::scene_buffers::SceneBuffers;
 use crate::steps::{self, Step};
@@ -30,7 +30,7 @@ pub struct Frame {
     host: HostScene,
     size: UVec2,
     parts: Parts,
-    clock: Option<Clock>,
+    stopwatch: Option<Stopwatch>,
     uploaded: u64,
 }
 
@@ -40,15 +40,6 @@ struct Parts {
     resources: Resources,
     host_buffers: HostBuffers,
     steps: Vec<Step>,
-}
-
-/// Timestamps of a frame.
-#[derive(Debug)]
-struct Clock {
-    queries: Queries,
-    /// A texture of one pixel, for marks before and after frames of which the passes' own
-    /// timestamps do not tell all.
-    pixel: Option<wgpu::TextureView>,
 }
 
 impl Frame {
@@ -68,12 +59,13 @@ impl Frame {
         check_size(gpu, "a picture", size)?;
         let mut pipelines = Vec::with_capacity(plan.passes.len());
         for pass in &plan.passes {
+            steps::check(plan, pass)?;
             let formats = steps::colour_formats(plan, pass)?;
             pipelines.push(cache.get(gpu, pass, &formats)?);
         }
         let host = scene.host.clone();
         let parts = Parts::new(gpu, plan, &pipelines, &scene, &host, size)?;
-        let clock = Clock::new(gpu, plan, &parts.steps)?;
+        let stopwatch = stopwatch(gpu, &parts.steps)?;
         Ok(Self {
             gpu: gpu.clone(),
             plan: plan.clone(),
@@ -82,7 +74,7 @@ impl Frame {
             host,
             size,
             parts,
-            clock,
+            stopwatch,
             uploaded: 0,
         })
     }
@@ -135,41 +127,18 @@ impl Frame {
     /// # Errors
     /// When the graphics library or the driver refuses, or the device is lost.
     pub fn render(&mut self) -> Result<FrameTiming, GpuError> {
-        let (instrument, queries) = match &self.clock {
-            Some(clock) => (
-                Instrument::Timestamps(&clock.queries.set),
-                Some(&clock.queries),
-            ),
+        let (instrument, queries) = match &self.stopwatch {
+            Some(watch) => (Instrument::Timestamps(watch), Some(&watch.queries)),
             None => (Instrument::Nothing, None),
         };
         let wall_ms = self.run(instrument, queries)?;
         let ticks = queries.map(|q| q.read(&self.gpu)).transpose()?;
+        let stamps: Option<Vec<[u64; 2]>> =
+            ticks.map(|ticks| ticks.chunks_exact(2).map(|p| [p[0], p[1]]).collect());
+        let period = f64::from(self.gpu.queue().get_timestamp_period());
         let names: Vec<&str> = self.parts.steps.iter().map(|s| s.name.as_str()).collect();
-        let passes: Vec<[u64; 2]> = ticks
-            .iter()
-            .flatten()
-            .copied()
-            .collect::<Vec<_>>()
-            .chunks_exact(2)
-            .map(|p| [p[0], p[1]])
-            .take(names.len())
-            .collect();
-        let stamps = ticks.as_ref().map(|ticks| Stamps {
-            passes: &passes,
-            frame: self.marked().then(|| {
-                let [_, begin, end, _] = frame_stamps(names.len());
-                [ticks[begin], ticks[end]]
-            }),
-            period: f64::from(self.gpu.queue().get_timestamp_period()),
-        });
+        let stamps = stamps.as_ref().map(|passes| Stamps { passes, period });
         Ok(timing::judge(stamps, &names, wall_ms))
-    }
-
-    /// Whether marks before and after the frame tell its time.
-    fn marked(&self) -> bool {
-        self.clock
-            .as_ref()
-            .is_some_and(|clock| clock.pixel.is_some())
     }
 
     /// Records and runs the frame; milliseconds from submission to the end of waiting.
@@ -179,24 +148,11 @@ impl Frame {
         queries: Option<&Queries>,
     ) -> Result<f64, GpuError> {
         let steps = &self.parts.steps;
-        let mark = match (&self.clock, instrument) {
-            (
-                Some(Clock {
-                    pixel: Some(pixel), ..
-                }),
-                Instrument::Timestamps(set),
-            ) => Some((pixel, set)),
-            _ => None,
-        };
-        let [first, _, last, _] = frame_stamps(steps.len());
         let commands = self.gpu.attempt("recording a frame", || {
             let mut encoder = self
                 .gpu
                 .device()
                 .create_command_encoder(&Default::default());
-            if let Some((pixel, set)) = mark {
-                record::mark(&mut encoder, pixel, set, first);
-            }
             for (name, buffer) in &self.plan.buffers {
                 if let Some(held) = self
                     .parts
@@ -210,9 +166,6 @@ impl Frame {
             }
             for (index, step) in steps.iter().enumerate() {
                 record::step(&mut encoder, &self.scene, index, step, instrument);
-            }
-            if let Some((pixel, set)) = mark {
-                record::mark(&mut encoder, pixel, set, last);
             }
             if let Some(queries) = queries {
                 queries.resolve(&mut encoder);
@@ -332,34 +285,32 @@ impl Parts {
     }
 }
 
-impl Clock {
-    /// None where the adapter has no timestamps, or there is nothing to time.
-    fn new(gpu: &Gpu, plan: &Plan, steps: &[Step]) -> Result<Option<Self>, GpuError> {
-        if !gpu.has_timestamps() || steps.is_empty() {
-            return Ok(None);
-        }
-        let marked = steps.iter().any(Step::is_compute) || plan.buffers.values().any(|b| b.zeroed);
-        let count = 2 * steps.len() + if marked { 4 } else { 0 };
-        let queries = Queries::new(gpu, wgpu::QueryType::Timestamp, count as u32, 1)?;
-        let descriptor = wgpu::TextureDescriptor {
-            label: Some("mark"),
-            size: wgpu::Extent3d::default(),
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba8Unorm,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-            view_formats: &[],
-        };
-        let pixel = || {
-            let texture = gpu.device().create_texture(&descriptor);
-            texture.create_view(&wgpu::TextureViewDescriptor::default())
-        };
-        let pixel = if marked {
-            Some(gpu.create("a pixel to mark frames", pixel)?)
-        } else {
-            None
-        };
-        Ok(Some(Self { queries, pixel }))
+/// None where the adapter has no timestamps, or there is nothing to time.
+fn stopwatch(gpu: &Gpu, steps: &[Step]) -> Result<Option<Stopwatch>, GpuError> {
+    if !gpu.has_timestamps() || steps.is_empty() {
+        return Ok(None);
     }
+    let queries = Queries::new(gpu, wgpu::QueryType::Timestamp, 2 * steps.len() as u32, 1)?;
+    if !gpu.is_software() || !steps.iter().any(Step::is_compute) {
+        return Ok(Some(Stopwatch {
+            queries,
+            pixel: None,
+        }));
+    }
+    let descriptor = wgpu::TextureDescriptor {
+        label: Some("mark"),
+        size: wgpu::Extent3d::default(),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    };
+    let pixel = gpu.create("a pixel to time by", || {
+        let texture = gpu.device().create_texture(&descriptor);
+        texture.create_view(&wgpu::TextureViewDescriptor::default())
+    })?;
+    let pixel = Some(pixel);
+    Ok(Some(Stopwatch { queries, pixel }))
 }

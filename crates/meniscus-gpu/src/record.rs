@@ -1,15 +1,26 @@
 //! Recording a frame's steps, with or without instruments.
 
 use crate::pipelines::Stages;
+use crate::queries::Queries;
 use crate::scene_buffers::SceneBuffers;
 use crate::steps::{Attachment, Clear, Draw, Step, Work, Workgroups};
+
+/// Where timestamps go.
+#[derive(Debug)]
+pub(crate) struct Stopwatch {
+    pub queries: Queries,
+    /// A texture of one pixel; where there is one, compute passes are timed by raster passes on it
+    /// before and after them. Software adapters take the timestamps of a compute pass together
+    /// with the next raster pass, when it is over.
+    pub pixel: Option<wgpu::TextureView>,
+}
 
 /// What is measured while a frame runs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Instrument<'a> {
     Nothing,
-    /// Two timestamps a pass, then four of the frame: see [`frame_stamps`].
-    Timestamps(&'a wgpu::QuerySet),
+    /// Two timestamps a pass.
+    Timestamps(&'a Stopwatch),
     /// One pipeline-statistics query a pass.
     Statistics(&'a wgpu::QuerySet),
 }
@@ -17,12 +28,6 @@ pub(crate) enum Instrument<'a> {
 /// Indices of a pass's timestamps.
 fn pass_stamps(index: usize) -> (u32, u32) {
     (2 * index as u32, 2 * index as u32 + 1)
-}
-
-/// Indices of the timestamps of the marks before and after a frame of so many passes: begin and
-/// end of the one, begin and end of the other.
-pub(crate) fn frame_stamps(passes: usize) -> [usize; 4] {
-    [2 * passes, 2 * passes + 1, 2 * passes + 2, 2 * passes + 3]
 }
 
 /// Records clears, each a render pass of its own; the first carries the begin timestamp.
@@ -57,28 +62,19 @@ pub(crate) fn clears(
     }
 }
 
-/// Records a raster pass of one pixel that takes a begin and an end timestamp: some drivers keep
-/// compute passes out of the order in which raster passes take theirs.
-pub(crate) fn mark(
+/// Records a raster pass of one pixel that takes a timestamp when it begins.
+fn mark(
     encoder: &mut wgpu::CommandEncoder,
     pixel: &wgpu::TextureView,
     queries: &wgpu::QuerySet,
-    first: usize,
+    stamp: u32,
 ) {
-    let attachment = Attachment {
+    let clear = Clear {
         view: pixel.clone(),
-        clear: Some(wgpu::Color::TRANSPARENT),
+        depth: false,
+        to: wgpu::Color::TRANSPARENT,
     };
-    drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("mark"),
-        color_attachments: &[Some(colour_attachment(&attachment))],
-        timestamp_writes: Some(wgpu::RenderPassTimestampWrites {
-            query_set: queries,
-            beginning_of_pass_write_index: Some(first as u32),
-            end_of_pass_write_index: Some(first as u32 + 1),
-        }),
-        ..Default::default()
-    }));
+    clears(encoder, &[clear], Some((queries, stamp)));
 }
 
 /// Records one step.
@@ -90,17 +86,26 @@ pub(crate) fn step(
     instrument: Instrument,
 ) {
     let (begin, end) = pass_stamps(index);
-    let stamps = match instrument {
-        Instrument::Timestamps(queries) => Some(queries),
+    let watch = match instrument {
+        Instrument::Timestamps(watch) => Some(watch),
         _ => None,
     };
+    let pixel = watch
+        .and_then(|w| w.pixel.as_ref())
+        .filter(|_| step.is_compute());
+    let queries = watch.map(|watch| &watch.queries.set);
+    if let (Some(pixel), Some(queries)) = (pixel, queries) {
+        mark(encoder, pixel, queries, begin);
+    }
+    // Either the marks carry the timestamps or the passes do: the first clear, or else the step
+    // itself, the begin; the step the end.
+    let stamps = queries.filter(|_| pixel.is_none());
     clears(
         encoder,
         &step.clears,
         stamps.map(|queries| (queries, begin)),
     );
-    // With clears before it, the pass has begun with the first of them.
-    let begin = step.clears.is_empty().then_some(begin);
+    let own_begin = step.clears.is_empty().then_some(begin);
     let statistics = match instrument {
         Instrument::Statistics(queries) => Some((queries, index as u32)),
         _ => None,
@@ -121,7 +126,7 @@ pub(crate) fn step(
                 depth_stencil_attachment: depth.as_ref().map(depth_attachment),
                 timestamp_writes: stamps.map(|query_set| wgpu::RenderPassTimestampWrites {
                     query_set,
-                    beginning_of_pass_write_index: begin,
+                    beginning_of_pass_write_index: own_begin,
                     end_of_pass_write_index: Some(end),
                 }),
                 ..Default::default()
@@ -149,7 +154,7 @@ pub(crate) fn step(
                 label: Some(&step.name),
                 timestamp_writes: stamps.map(|query_set| wgpu::ComputePassTimestampWrites {
                     query_set,
-                    beginning_of_pass_write_index: begin,
+                    beginning_of_pass_write_index: own_begin,
                     end_of_pass_write_index: Some(end),
                 }),
             });
@@ -168,6 +173,9 @@ pub(crate) fn step(
         }
         // Work and stages are made together, from one kind of pass.
         _ => {}
+    }
+    if let (Some(pixel), Some(queries)) = (pixel, queries) {
+        mark(encoder, pixel, queries, end);
     }
 }
 

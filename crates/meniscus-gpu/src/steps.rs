@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use glam::UVec2;
-use meniscus_pipeline::{PassKind, Plan, PlannedPass};
+use meniscus_pipeline::{PassKind, Plan, PlannedPass, Size};
 use meniscus_shader::{Binding, BindingKind, Entry};
 
 use crate::bindings::Binder;
@@ -128,7 +128,6 @@ impl Builder<'_> {
         let mut steps = Vec::with_capacity(self.plan.passes.len());
         let ever: BTreeSet<&str> = self.plan.passes.iter().flat_map(writes).collect();
         for (pass, pipeline) in self.plan.passes.iter().zip(self.pipelines) {
-            self.check(pass)?;
             let mut clears = Vec::new();
             for name in reads(pass) {
                 // Read first and written later: what is read is not to be the last frame's.
@@ -171,52 +170,6 @@ impl Builder<'_> {
                 pass.name
             ))
         })
-    }
-
-    /// What no graphics library would tell in the pipeline's words.
-    fn check(&self, pass: &PlannedPass) -> Result<(), GpuError> {
-        let wrong =
-            |message: String| Err(GpuError::Plan(format!("pass `{}` {message}", pass.name)));
-        let renders = matches!(pass.kind, PassKind::Draw(_) | PassKind::Screen);
-        if renders != matches!(pass.shader.entry, Entry::Render { .. }) {
-            return wrong("has a shader of another stage than it runs in".to_owned());
-        }
-        if renders && pass.targets.len() != pass.shader.outputs.len() {
-            let (outputs, targets) = (pass.shader.outputs.len(), pass.targets.len());
-            return wrong(format!(
-                "has {outputs} outputs and {targets} textures to write"
-            ));
-        }
-        let written = writes(pass);
-        if let Some(both) = reads(pass).find(|name| written.contains(name)) {
-            return wrong(format!("reads the texture `{both}` while it writes it"));
-        }
-        if renders && written.is_empty() {
-            return wrong("writes no texture, which a draw or screen pass has to".to_owned());
-        }
-        let mut size: Option<(&str, UVec2)> = None;
-        for name in pass
-            .targets
-            .iter()
-            .map(String::as_str)
-            .chain(pass.depth.as_deref())
-        {
-            let target = self.texture(pass, name)?;
-            if formats::is_depth(target.format) != (pass.depth.as_deref() == Some(name)) {
-                return wrong(format!(
-                    "writes `{name}` as what it is not: depth goes to a depth format"
-                ));
-            }
-            match size {
-                Some((first, size)) if size != target.size => {
-                    return wrong(format!(
-                        "writes `{first}` and `{name}`, which differ in size"
-                    ));
-                }
-                _ => size = Some((name, target.size)),
-            }
-        }
-        Ok(())
     }
 
     fn render<'n>(
@@ -330,6 +283,56 @@ impl Builder<'_> {
         }
         Ok(Workgroups::Indirect(buffer.clone()))
     }
+}
+
+/// Whether a pass fits together: what no graphics library would tell in the pipeline's words.
+///
+/// # Errors
+/// When stages, outputs, textures or sizes do not fit, or a texture is read while it is written.
+pub(crate) fn check(plan: &Plan, pass: &PlannedPass) -> Result<(), GpuError> {
+    let wrong = |message: String| Err(GpuError::Plan(format!("pass `{}` {message}", pass.name)));
+    let renders = matches!(pass.kind, PassKind::Draw(_) | PassKind::Screen);
+    if renders != matches!(pass.shader.entry, Entry::Render { .. }) {
+        return wrong("has a shader of another stage than it runs in".to_owned());
+    }
+    if renders && pass.targets.len() != pass.shader.outputs.len() {
+        let (outputs, targets) = (pass.shader.outputs.len(), pass.targets.len());
+        return wrong(format!(
+            "has {outputs} outputs and {targets} textures to write"
+        ));
+    }
+    let written = writes(pass);
+    if let Some(both) = reads(pass).find(|name| written.contains(name)) {
+        return wrong(format!("reads the texture `{both}` while it writes it"));
+    }
+    if renders && written.is_empty() {
+        return wrong("writes no texture, which a draw or screen pass has to".to_owned());
+    }
+    let mut first: Option<(&str, Size)> = None;
+    for name in pass
+        .targets
+        .iter()
+        .map(String::as_str)
+        .chain(pass.depth.as_deref())
+    {
+        let Some(texture) = plan.textures.get(name) else {
+            return wrong(format!("writes the texture `{name}`, which is not there"));
+        };
+        if formats::is_depth(texture.format) != (pass.depth.as_deref() == Some(name)) {
+            return wrong(format!(
+                "writes `{name}` as what it is not: depth goes to a depth format, and only depth"
+            ));
+        }
+        match first {
+            Some((first, size)) if size != texture.size => {
+                return wrong(format!(
+                    "writes `{first}` and `{name}`, which differ in size"
+                ));
+            }
+            _ => first = Some((name, texture.size)),
+        }
+    }
+    Ok(())
 }
 
 fn clear(target: &Target) -> Clear {

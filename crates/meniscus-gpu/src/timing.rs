@@ -66,12 +66,10 @@ impl Timer {
     }
 }
 
-/// A frame's timestamps: begin and end of every pass in order, and, where passes alone do not show
-/// when the frame began and ended, two that do.
+/// A frame's timestamps: begin and end of every pass in order.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stamps<'a> {
     pub passes: &'a [[u64; 2]],
-    pub frame: Option<[u64; 2]>,
     /// Nanoseconds of a tick.
     pub period: f64,
 }
@@ -108,22 +106,18 @@ pub(crate) fn judge(stamps: Option<Stamps>, names: &[&str], wall_ms: f64) -> Fra
     }
 }
 
-/// The frame's and the passes' milliseconds; none if the timestamps make no sense as a whole. Of
-/// passes, none is known where together they leave more than a fifth of the frame unexplained and
-/// the pass itself claims to have taken no time.
+/// The frame's and the passes' milliseconds; none if the timestamps make no sense as a whole. A
+/// pass that claims to have taken no time is unknown, and so is one that claims next to none while
+/// all together leave more than a fifth of the frame unexplained.
 fn times(stamps: Stamps) -> Option<(f64, Vec<Option<f64>>)> {
     let ms = |[begin, end]: [u64; 2]| {
         end.checked_sub(begin)
             .map(|t| t as f64 * stamps.period * 1e-6)
     };
-    let frame = match stamps.frame {
-        Some(frame) => frame,
-        None => [stamps.passes.first()?[0], stamps.passes.last()?[1]],
-    };
-    let all = stamps.passes.iter().chain(std::iter::once(&frame));
-    if all.flatten().any(|&stamp| stamp == 0) {
+    if stamps.passes.iter().flatten().any(|&stamp| stamp == 0) {
         return None;
     }
+    let frame = [stamps.passes.first()?[0], stamps.passes.last()?[1]];
     let frame = ms(frame).filter(|&t| t > 0.0 && t.is_finite())?;
     let passes: Vec<f64> = stamps
         .passes
@@ -147,22 +141,14 @@ mod tests {
         passes.map(|p| p.map(|ms| 1_000_000 + (ms * 1e3).round() as u64))
     }
 
-    fn timing(passes: &[[u64; 2]], frame: Option<[u64; 2]>, wall_ms: f64) -> FrameTiming {
+    fn timing(passes: &[[u64; 2]], wall_ms: f64) -> FrameTiming {
         let period = 1000.0;
-        judge(
-            Some(Stamps {
-                passes,
-                frame,
-                period,
-            }),
-            &NAMES,
-            wall_ms,
-        )
+        judge(Some(Stamps { passes, period }), &NAMES, wall_ms)
     }
 
     #[test]
     fn timestamps_that_fit_the_wall_are_trusted() {
-        let timing = timing(&stamps([[0.0, 4.0], [4.5, 9.0]]), None, 9.8);
+        let timing = timing(&stamps([[0.0, 4.0], [4.5, 9.0]]), 9.8);
         assert_eq!(timing.timer, Timer::Gpu);
         assert!((timing.ms(Timer::Gpu) - 9.0).abs() < 1e-9);
         let passes: Vec<f64> = timing.passes.iter().map(|p| p.ms.unwrap()).collect();
@@ -171,7 +157,7 @@ mod tests {
 
     #[test]
     fn a_short_frame_is_trusted_although_submission_takes_longer() {
-        let timing = timing(&stamps([[0.0, 0.05], [0.05, 0.1]]), None, 0.6);
+        let timing = timing(&stamps([[0.0, 0.05], [0.05, 0.1]]), 0.6);
         assert_eq!(timing.timer, Timer::Gpu);
     }
 
@@ -183,7 +169,7 @@ mod tests {
         let mut backwards = good;
         backwards[0].reverse();
         for (passes, wall_ms) in [(zero, 9.0), (backwards, 9.0), (good, 5.0), (good, 40.0)] {
-            let timing = timing(&passes, None, wall_ms);
+            let timing = timing(&passes, wall_ms);
             assert_eq!(timing.timer, Timer::Wall);
             assert_eq!(timing.ms(timing.timer), wall_ms);
             assert!(timing.passes.iter().all(|p| p.ms.is_none()));
@@ -197,19 +183,41 @@ mod tests {
 
     #[test]
     fn a_pass_that_claims_to_take_no_time_is_unknown_not_zero() {
-        let passes = stamps([[0.0, 2.0], [2.0, 2.0]]);
-        let frame = Some(stamps([[0.0, 9.0], [0.0, 0.0]])[0]);
-        let timing = timing(&passes, frame, 9.5);
+        // The second pass's work falls into the gap before the third.
+        let names = ["one", "two", "three"];
+        let stamps =
+            |[a, b, c]: [[f64; 2]; 3]| [stamps([a, b])[0], stamps([b, c])[0], stamps([b, c])[1]];
+        let passes = stamps([[0.0, 2.0], [2.0, 2.001], [8.0, 9.0]]);
+        let period = 1000.0;
+        let timing = judge(
+            Some(Stamps {
+                passes: &passes,
+                period,
+            }),
+            &names,
+            9.5,
+        );
         assert_eq!(timing.timer, Timer::Gpu);
         assert!((timing.gpu_ms.unwrap() - 9.0).abs() < 1e-9);
-        assert_eq!(timing.passes[1].ms, None);
-        assert!(timing.passes[0].ms.is_some());
+        let told: Vec<bool> = timing.passes.iter().map(|p| p.ms.is_some()).collect();
+        assert_eq!(told, [true, false, true]);
+        // A short pass in a frame that is explained is believed.
+        let passes = stamps([[0.0, 2.0], [2.0, 2.001], [2.1, 9.0]]);
+        let timing = judge(
+            Some(Stamps {
+                passes: &passes,
+                period,
+            }),
+            &names,
+            9.5,
+        );
+        assert!((timing.passes[1].ms.unwrap() - 0.001).abs() < 1e-9);
     }
 
     #[test]
     fn one_disturbed_frame_does_not_change_the_clock_of_a_series() {
-        let good = timing(&stamps([[0.0, 4.0], [4.0, 9.0]]), None, 9.8);
-        let disturbed = timing(&stamps([[0.0, 4.0], [4.0, 9.0]]), None, 60.0);
+        let good = timing(&stamps([[0.0, 4.0], [4.0, 9.0]]), 9.8);
+        let disturbed = timing(&stamps([[0.0, 4.0], [4.0, 9.0]]), 60.0);
         let mut frames = vec![good; 20];
         frames.push(disturbed.clone());
         assert_eq!(Timer::of(&frames), Timer::Gpu);

@@ -1,0 +1,185 @@
+//! Triangles: where they land, what they carry, which are drawn.
+
+use glam::{DVec3, Vec3};
+use meniscus_pipeline::{Format, Geometry, PassKind, Plan, Size};
+use meniscus_scene::WaterGeometry;
+
+use crate::build::{DRAW, frame, pass, plan, rendered, scene, shader, wave};
+
+/// Object id + 1 where something is seen.
+fn ids(geometry: Geometry) -> Plan {
+    let text = format!(
+        "{DRAW}
+        @fragment fn show(in: Varied) -> @location(0) vec4f {{
+            return vec4f(f32(in.object) + 1.0, in.geometric_normal);
+        }}"
+    );
+    let mut draw = pass(
+        "draw",
+        PassKind::Draw(geometry),
+        &shader(&text, &["colour"]),
+        &["ids"],
+    );
+    draw.depth = Some("depth".to_owned());
+    let textures = [
+        ("ids", Format::Rgba32Float, Size::Frame),
+        ("depth", Format::Depth32Float, Size::Frame),
+    ];
+    plan(&textures, &[], vec![draw])
+}
+
+/// A triangle at distance y that fills the lower left half of the view of 90°, but for the diagonal.
+fn lower_left(y: f32) -> [[f32; 3]; 3] {
+    [[-y, y, 1.0 + y], [-y, y, 1.0 - y], [y, y, 1.0 - y]]
+}
+
+/// A triangle at distance y that fills the view.
+fn everywhere(y: f32) -> [[f32; 3]; 3] {
+    [
+        [-4.0 * y, y, -3.0 * y],
+        [4.0 * y, y, -3.0 * y],
+        [0.0, y, 9.0 * y],
+    ]
+}
+
+/// The set of object ids + 1 seen on the diagonal that runs through the middle.
+fn seen(plan: &Plan, scene: &meniscus_scene::Scene) -> Vec<u32> {
+    let pixels = rendered(plan, scene).read("ids").unwrap();
+    let mut all: Vec<u32> = pixels
+        .data
+        .chunks(4)
+        .map(|p| p[0] as u32)
+        .filter(|&id| id > 0)
+        .collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+#[test]
+fn a_triangle_lands_on_its_pixels_and_leaves_the_others_clear() {
+    let pixels = rendered(&ids(Geometry::All), &scene(&[lower_left(2.0)]))
+        .read("ids")
+        .unwrap();
+    for y in 0..8 {
+        for x in 0..8 {
+            let pixel = pixels.at(x, y).unwrap();
+            if x < y {
+                assert_eq!(pixel, [1.0, 0.0, -1.0, 0.0], "({x}, {y}) inside");
+            } else if x > y {
+                assert_eq!(pixel, [0.0, 0.0, 0.0, -1.0], "({x}, {y}) outside");
+            }
+        }
+    }
+    assert_eq!(pixels.at(8, 0), None);
+}
+
+#[test]
+fn the_nearer_triangle_is_seen_whatever_the_order() {
+    let (near, far) = (everywhere(1.5), everywhere(3.0));
+    for (triangles, expected) in [([near, far], 1), ([far, near], 2)] {
+        assert_eq!(seen(&ids(Geometry::All), &scene(&triangles)), [expected]);
+    }
+    let frame = rendered(&ids(Geometry::All), &scene(&[far, near]));
+    let depth = frame.read("depth").unwrap();
+    assert!(
+        depth.data.iter().all(|&d| (d - 0.125 / 1.5).abs() < 1e-6),
+        "near over distance"
+    );
+}
+
+#[test]
+fn triangles_that_share_all_vertices_keep_their_own_attributes() {
+    // A fan about one vertex: none of its triangles lie in one plane.
+    let mut fan = scene(&[]);
+    let rim = (0..6).map(|i| {
+        let angle = std::f32::consts::TAU * i as f32 / 6.0;
+        Vec3::new(3.0 * angle.cos(), 2.0, 1.0 + 3.0 * angle.sin())
+    });
+    fan.mesh.positions = std::iter::once(Vec3::new(0.0, 1.0, 1.0))
+        .chain(rim)
+        .collect();
+    fan.mesh.normals = vec![Vec3::Y; 7];
+    fan.mesh.triangles = (0..6)
+        .map(|i| meniscus_scene::Triangle {
+            corners: [0, 1 + i, 1 + (i + 1) % 6],
+            object: i,
+        })
+        .collect();
+    let pixels = rendered(&ids(Geometry::All), &fan).read("ids").unwrap();
+    let mut met = [false; 6];
+    for pixel in pixels.data.chunks(4) {
+        let object = pixel[0] as usize - 1;
+        met[object] = true;
+        let [a, b, c] = fan.mesh.triangles[object]
+            .corners
+            .map(|i| fan.mesh.positions[i as usize]);
+        let normal = (b - a).cross(c - a).normalize();
+        assert!(
+            normal.distance(Vec3::from_slice(&pixel[1..])) < 1e-6,
+            "{object}"
+        );
+    }
+    assert_eq!(met, [true; 6]);
+}
+
+/// One triangle above the water, one below, one through it, side by side.
+fn three_sides() -> meniscus_scene::Scene {
+    let at = |x: f32, z: f32| [[x, 2.0, z], [x + 1.0, 2.0, z], [x, 2.0, z + 0.8]];
+    scene(&[at(-1.5, 0.5), at(-0.5, -0.9), at(0.5, -0.4)])
+}
+
+#[test]
+fn near_and_far_side_are_the_cameras() {
+    let mut scene = three_sides();
+    let (near, far) = (ids(Geometry::NearSide), ids(Geometry::FarSide));
+    assert_eq!(seen(&ids(Geometry::All), &scene), [1, 2, 3]);
+    assert_eq!(seen(&near, &scene), [1, 3]);
+    assert_eq!(seen(&far, &scene), [2, 3]);
+    scene.camera.eye.z = -0.25;
+    scene.camera.target.z = -0.25;
+    assert_eq!(seen(&near, &scene), [2, 3]);
+    assert_eq!(seen(&far, &scene), [1, 3]);
+}
+
+#[test]
+fn a_frame_follows_the_camera_through_the_surface() {
+    let mut scene = three_sides();
+    let mut frame = frame(&ids(Geometry::NearSide), &scene).unwrap();
+    let ids = |frame: &mut meniscus_gpu::Frame| -> Vec<u32> {
+        frame.render().unwrap();
+        let pixels = frame.read("ids").unwrap();
+        let found = |id: u32| pixels.data.chunks(4).any(|p| p[0] == id as f32);
+        (1..=3).filter(|&id| found(id)).collect()
+    };
+    assert_eq!(ids(&mut frame), [1, 3]);
+    scene.camera.eye.z = -0.25;
+    scene.camera.target.z = -0.25;
+    frame.update(&scene).unwrap();
+    assert_eq!(ids(&mut frame), [2, 3]);
+}
+
+#[test]
+fn displaced_water_widens_both_sides() {
+    let mut scene = three_sides();
+    scene.water.waves = vec![wave(0.6)];
+    assert_eq!(
+        seen(&ids(Geometry::NearSide), &scene),
+        [1, 3],
+        "flat geometry"
+    );
+    scene.water.geometry = WaterGeometry::Displaced;
+    assert_eq!(seen(&ids(Geometry::NearSide), &scene), [1, 2, 3]);
+    assert_eq!(seen(&ids(Geometry::FarSide), &scene), [1, 2, 3]);
+}
+
+#[test]
+fn a_scene_without_triangles_clears_its_targets() {
+    let mut scene = scene(&[]);
+    scene.camera.target = DVec3::new(0.0, 0.0, -1.0);
+    let frame = rendered(&ids(Geometry::All), &scene);
+    let pixels = frame.read("ids").unwrap();
+    assert!(pixels.data.chunks(4).all(|p| p == [0.0, 0.0, 0.0, -1.0]));
+    assert!(frame.read("depth").unwrap().data.iter().all(|&d| d == 0.0));
+    assert_eq!(frame.counters().unwrap().draws, 0);
+}

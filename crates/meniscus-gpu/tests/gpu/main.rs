@@ -1,0 +1,8 @@
+//! Plans on whatever adapter is there; without one the tests fail and say how to get one.
+
+mod build;
+mod drawing;
+mod failing;
+mod passes;
+mod timing;
+mod views;
