@@ -21,6 +21,8 @@ pub(crate) enum File {
 #[serde(deny_unknown_fields)]
 pub(crate) struct PipelineFile {
     pub about: String,
+    #[serde(default)]
+    pub baseline: bool,
     pub textures: Entries<TextureFile>,
     #[serde(default)]
     pub buffers: Entries<BufferFile>,

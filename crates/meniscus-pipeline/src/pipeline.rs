@@ -22,6 +22,8 @@ pub struct Pipeline {
     pub name: String,
     /// One line about it.
     pub about: String,
+    /// Whether others are compared with it where nothing else is said.
+    pub baseline: bool,
     /// Textures by name.
     pub textures: BTreeMap<String, Spanned<Texture>>,
     /// Buffers by name.
@@ -136,6 +138,7 @@ impl Pipelines {
                 let mut pipeline = self.follow(&of, chain)?;
                 pipeline.name = name.to_owned();
                 pipeline.about = about;
+                pipeline.baseline = false;
                 let mut report = Report::default();
                 for (key, value) in set.iter() {
                     if let Err(wrong) = pipeline.put(key, value) {
@@ -153,6 +156,7 @@ fn build(name: &str, read: PipelineFile) -> Result<Pipeline, Report> {
     let mut pipeline = Pipeline {
         name: name.to_owned(),
         about: read.about,
+        baseline: read.baseline,
         textures: read
             .textures
             .0
