@@ -42,17 +42,32 @@ pub(crate) fn read(name: &str, data: &[u8], folder: Option<&Path>) -> Result<Sou
         }
     }
     let gltf::Gltf { document, blob } =
-        gltf::Gltf::from_slice(data).map_err(|error| match &error {
-            gltf::Error::Validation(faults) => {
-                let faults: Vec<String> = faults
-                    .iter()
-                    .take(4)
-                    .map(|(path, fault)| format!("{path}: {fault}"))
-                    .collect();
-                malformed(&faults.join(", "))
-            }
-            other => malformed(other),
-        })?;
+        gltf::Gltf::from_slice_without_validation(data).map_err(|error| malformed(&error))?;
+    let json = document.into_json();
+    // The validation below looks up positions before it has checked that they are there.
+    let accessors = json.accessors.len();
+    let named = json.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    if let Some(index) = named
+        .flat_map(|primitive| primitive.attributes.values())
+        .find(|index| index.value() >= accessors)
+    {
+        let what = format!(
+            "a mesh names accessor {}, and there are {accessors}",
+            index.value()
+        );
+        return Err(malformed(&what));
+    }
+    let document = gltf::Document::from_json(json).map_err(|error| match &error {
+        gltf::Error::Validation(faults) => {
+            let faults: Vec<String> = faults
+                .iter()
+                .take(4)
+                .map(|(path, fault)| format!("{path}: {fault}"))
+                .collect();
+            malformed(&faults.join(", "))
+        }
+        other => malformed(other),
+    })?;
     let mut buffers = Vec::new();
     for buffer in document.buffers() {
         buffers.push(match buffer.source() {

@@ -15,6 +15,7 @@ mod lower;
 mod mesh;
 mod mesh_file;
 mod model;
+mod polygon;
 mod settings;
 mod shapes;
 mod soup;

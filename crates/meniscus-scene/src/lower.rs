@@ -195,7 +195,8 @@ impl Reader {
             });
         }
         let mut water = Water {
-            level: described.level.value,
+            // To the nearest f32, so that vertices can lie on it exactly.
+            level: f64::from(described.level.value as f32),
             refractive_index: described.refractive_index.value,
             waves,
             time: described.time.value,
@@ -293,11 +294,14 @@ impl Reader {
         let edge = budget.map_or(USUAL_EDGE, |budget| edge_for(&parts, budget));
         let total: u64 = parts.iter().map(|part| part.triangles(edge)).sum();
         if total > MOST_TRIANGLES {
+            let most = parts.iter().max_by_key(|part| part.triangles(edge));
+            let message = format!(
+                "the scene would have {total} triangles; at most {MOST_TRIANGLES} are made"
+            );
+            let place = most.and_then(|part| part.object.shape.place.clone());
             self.report.add(
-                Diagnostic::error(format!(
-                    "the scene would have {total} triangles; at most {MOST_TRIANGLES} are made"
-                ))
-                .with_help("make `edge` larger, `detail` smaller or the objects fewer"),
+                located(Diagnostic::error(message), &place)
+                    .with_help("make `edge` larger or `detail` smaller; this object has the most"),
             );
             return mesh;
         }
@@ -316,7 +320,7 @@ impl Reader {
         if let Some(far) = mesh
             .positions
             .iter()
-            .position(|p| !(p.abs().max_element() <= FARTHEST as f32))
+            .position(|p| !p.is_finite() || p.abs().max_element() > FARTHEST as f32)
         {
             let owner = mesh
                 .triangles

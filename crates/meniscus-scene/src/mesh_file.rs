@@ -6,6 +6,7 @@ use glam::DVec3;
 use meniscus_source::{Diagnostic, Place, SourceFile};
 
 use crate::gltf_file;
+use crate::polygon::{MOST_CORNERS, triangulate};
 use crate::soup::{MOST_TRIANGLES, Soup};
 
 /// Larger files are refused, bytes.
@@ -27,6 +28,17 @@ pub(crate) fn read(path: &Path) -> Result<Soup, Diagnostic> {
             );
         }
     };
+    // A fourth coordinate near 0 or a placement may have made what was finite infinite.
+    if let Some(index) = soup
+        .positions
+        .iter()
+        .chain(&soup.normals)
+        .position(|v| !v.is_finite())
+    {
+        return Err(Diagnostic::error(format!(
+            "mesh `{name}`: number {index} of its positions and normals is not finite"
+        )));
+    }
     if soup.triangles.is_empty() {
         return Err(Diagnostic::error(format!("`{name}` has no faces"))
             .with_help("points and lines are not drawn; export triangles or polygons"));
@@ -67,17 +79,17 @@ fn obj(name: &str, bytes: &[u8]) -> Result<Soup, Diagnostic> {
     // Materials and pictures belong to the scene file.
     let no_materials = |_: &Path| Ok((Vec::new(), Default::default()));
     let options = tobj::LoadOptions {
-        triangulate: true,
+        triangulate: false,
         single_index: true,
         ignore_points: true,
         ignore_lines: true,
-        ..Default::default()
     };
     let (models, _) = tobj::load_obj_buf(&mut &bytes[..], &options, no_materials)
         .map_err(|error| Diagnostic::error(format!("cannot read mesh `{name}`: {error}")))?;
     let mut soup = Soup::default();
     for tobj::Model { mesh, .. } in models {
         let first = soup.positions.len() as u32;
+        let mut arities = mesh.face_arities.iter();
         let vectors = |numbers: &[f32]| -> Vec<DVec3> {
             numbers
                 .chunks_exact(3)
@@ -93,11 +105,28 @@ fn obj(name: &str, bytes: &[u8]) -> Result<Soup, Diagnostic> {
         normals.resize(positions.len(), DVec3::ZERO);
         soup.positions.extend(positions);
         soup.normals.extend(normals);
-        soup.triangles.extend(
-            mesh.indices
-                .chunks_exact(3)
-                .map(|t| [first + t[0], first + t[1], first + t[2]]),
-        );
+        let mut rest = &mesh.indices[..];
+        while !rest.is_empty() {
+            // No arities: triangles throughout.
+            let arity = arities
+                .next()
+                .map_or(3, |&arity| arity as usize)
+                .min(rest.len());
+            let (face, others) = rest.split_at(arity);
+            rest = others;
+            let corners: Vec<DVec3> = face
+                .iter()
+                .map(|&c| soup.positions[(first + c) as usize])
+                .collect();
+            let Some(triangles) = triangulate(&corners) else {
+                return Err(Diagnostic::error(format!(
+                    "mesh `{name}` has a face with {arity} corners that is not convex; at most {MOST_CORNERS} are cut into triangles"
+                ))
+                .with_help("triangulate it in the modelling program"));
+            };
+            soup.triangles
+                .extend(triangles.into_iter().map(|t| t.map(|k| first + face[k])));
+        }
         not_too_many(name, soup.triangles.len())?;
     }
     Ok(soup)

@@ -89,7 +89,7 @@ pub enum Pattern {
 /// h(x, y, t) = Σ amplitude · sin(wave_vector · (x, y) − angular_frequency · t + phase)
 #[derive(Debug, Clone, PartialEq)]
 pub struct Water {
-    /// z of the rest plane, metres.
+    /// z of the rest plane, metres; an f32, so that vertices can lie on it exactly.
     pub level: f64,
     /// Refractive index of the water relative to the air above it.
     pub refractive_index: f64,

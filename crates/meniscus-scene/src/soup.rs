@@ -53,6 +53,9 @@ impl Soup {
     /// weighted by their angle there (Thürmer and Wüthrich 1998).
     pub fn smooth(&mut self) {
         self.normals.resize(self.positions.len(), DVec3::ZERO);
+        if !self.normals.contains(&DVec3::ZERO) {
+            return;
+        }
         let key = |p: DVec3| (p + 0.0).to_array().map(f64::to_bits);
         let mut sums: HashMap<[u64; 3], DVec3> = HashMap::new();
         for corners in &self.triangles {
