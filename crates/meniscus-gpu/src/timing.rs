@@ -117,7 +117,10 @@ fn times(stamps: Stamps) -> Option<(f64, Vec<Option<f64>>)> {
     if stamps.passes.iter().flatten().any(|&stamp| stamp == 0) {
         return None;
     }
-    let frame = [stamps.passes.first()?[0], stamps.passes.last()?[1]];
+    // Passes may overlap, so that the last one need not be the last to end.
+    let begin = stamps.passes.iter().map(|p| p[0]).min()?;
+    let end = stamps.passes.iter().map(|p| p[1]).max()?;
+    let frame = [begin, end];
     let frame = ms(frame).filter(|&t| t > 0.0 && t.is_finite())?;
     let passes: Vec<f64> = stamps
         .passes

@@ -1,10 +1,10 @@
 //! Triangles: where they land, what they carry, which are drawn.
 
 use glam::{DVec3, Vec3};
-use meniscus_pipeline::{Format, Geometry, PassKind, Plan, Size};
+use meniscus_pipeline::{Format, Geometry, PassKind, Plan, Size, Texture};
 use meniscus_scene::WaterGeometry;
 
-use crate::build::{DRAW, frame, pass, plan, rendered, scene, shader, wave};
+use crate::build::{COVER, DRAW, frame, pass, plan, rendered, scene, shader, wave};
 
 /// Object id + 1 where something is seen.
 fn ids(geometry: Geometry) -> Plan {
@@ -86,6 +86,41 @@ fn the_nearer_triangle_is_seen_whatever_the_order() {
         depth.data.iter().all(|&d| (d - 0.125 / 1.5).abs() < 1e-6),
         "near over distance"
     );
+}
+
+#[test]
+fn depth_is_sampled_and_then_drawn_against_again() {
+    let (near, far) = (everywhere(1.5), everywhere(3.0));
+    let mut plan = ids(Geometry::All);
+    let copy = format!(
+        "{COVER} var depth: texture_depth_2d;
+        @fragment fn show(@builtin(position) p: vec4f) -> @location(0) f32 {{ return textureLoad(depth, vec2u(p.xy), 0); }}"
+    );
+    plan.passes.push(pass(
+        "copy",
+        PassKind::Screen,
+        &shader(&copy, &["colour"]),
+        &["copied"],
+    ));
+    let mut again = plan.passes[0].clone();
+    again.name = "again".to_owned();
+    again.targets = vec!["again".to_owned()];
+    plan.passes.push(again);
+    for (name, format) in [("copied", Format::R32Float), ("again", Format::Rgba32Float)] {
+        plan.textures.insert(
+            name.to_owned(),
+            Texture {
+                format,
+                size: Size::Frame,
+            },
+        );
+    }
+    let frame = rendered(&plan, &scene(&[far, near]));
+    let copied = frame.read("copied").unwrap();
+    assert_eq!(copied.data, frame.read("depth").unwrap().data);
+    // Nothing is nearer than what is there already, and depth was not cleared in between.
+    let again = frame.read("again").unwrap();
+    assert!(again.data.chunks(4).all(|p| p[0] == 0.0));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use glam::{DVec3, UVec2};
 use meniscus_pipeline::{Format, PassKind, Plan, Size};
 
-use crate::build::{COVER, frame, frame_of, gpu, pass, plan, rendered, scene, shader, wave};
+use crate::build::{COVER, frame, frame_of, pass, plan, rendered, scene, shader, wave};
 
 /// A plan that writes one expression over the screen.
 fn shows(declarations: &str, expression: &str) -> Plan {
@@ -132,10 +132,9 @@ fn a_new_moment_writes_only_what_depends_on_it() {
         struct V { eye: vec3f } var<uniform> view_target: V;";
     let plan = shows(
         declarations,
-        "vec4f(water.time, waves[0].phase, view_target.eye.xy)",
+        "vec4f(water.time, waves[0].phase, view_target.eye.x, f32(arrayLength(&waves)))",
     );
     let mut frame = frame(&plan, &scene).unwrap();
-    let created = gpu().created();
     frame.update(&scene).unwrap();
     assert_eq!(frame.uploaded(), 0, "nothing changed");
     scene.water.time = 0.125;
@@ -143,16 +142,42 @@ fn a_new_moment_writes_only_what_depends_on_it() {
     assert_eq!(frame.uploaded(), 4 + 4, "time and one phase");
     frame.render().unwrap();
     let pixel = frame.read("out").unwrap().at(0, 0).unwrap().to_vec();
-    assert_eq!(pixel, [0.125, 0.125, 0.0, 0.0], "0.5 − 3 · 0.125");
+    assert_eq!(pixel, [0.125, 0.125, 0.0, 1.0], "0.5 − 3 · 0.125");
     scene.camera.eye.x = 2.0;
     frame.update(&scene).unwrap();
     assert_eq!(frame.uploaded(), 8 + 16, "and the eye");
     scene.water.waves.push(wave(0.0));
     frame.update(&scene).unwrap();
     frame.render().unwrap();
-    assert_eq!(frame.read("out").unwrap().at(0, 0).unwrap()[2], 2.0);
-    assert!(
-        gpu().created() > created,
-        "a longer array is another buffer"
+    let pixel = frame.read("out").unwrap().at(0, 0).unwrap().to_vec();
+    assert_eq!(pixel[2..], [2.0, 2.0], "a longer array");
+}
+
+#[test]
+fn steeper_waves_widen_the_guarded_textures() {
+    let mut scene = scene(&[[[0.0, 2.0, 0.0], [1.0, 2.0, 0.0], [0.0, 2.0, -2.0]]]);
+    let mut plan = shows(
+        "struct V { size: vec2f } var<uniform> view_target: V;",
+        "vec4f(view_target.size, 0.0, 0.0)",
     );
+    plan.passes[0].view_target = Size::Guarded;
+    plan.textures.get_mut("out").unwrap().size = Size::Guarded;
+    let mut frame = frame_of(&plan, &scene, UVec2::new(64, 48)).unwrap();
+    let mut last = UVec2::ZERO;
+    for (amplitude, size) in [
+        (0.0, Some(UVec2::new(64, 48))),
+        (0.02, None),
+        (0.04, None),
+        (1e9, None),
+    ] {
+        scene.water.waves = vec![wave(amplitude)];
+        frame.update(&scene).unwrap();
+        frame.render().unwrap();
+        let out = frame.read("out").unwrap();
+        assert!(out.size.cmpgt(last).all(), "{amplitude}: {}", out.size);
+        assert!(size.is_none_or(|size| size == out.size));
+        assert_eq!(out.at(0, 0).unwrap()[..2], out.size.as_vec2().to_array());
+        last = out.size;
+    }
+    assert_eq!(last, UVec2::new(96, 72), "the cap");
 }
