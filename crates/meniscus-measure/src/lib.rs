@@ -11,6 +11,7 @@ mod error;
 mod files;
 mod geometric;
 pub mod heat;
+mod image_metrics;
 mod npy;
 mod random;
 mod results;
@@ -26,6 +27,10 @@ pub use colour::{
 pub use error::MeasureError;
 pub use files::{png_bytes, write_atomically, write_png};
 pub use geometric::{Comparison, Judgement, Picture, Seen, Verdict};
+pub use image_metrics::{
+    Better, Difference, Exposures, FlipOptions, Image, METRICS, Metric, Viewing, Yee, flip,
+    flip_hdr, metric, psnr, rmse, ssim, yee,
+};
 pub use npy::{NpyData, npy_bytes};
 pub use results::{
     BorderErrors, Counters, Errors, FrameMs, PassMs, Relative, Results, Row, Timer, TruthGeometry,
