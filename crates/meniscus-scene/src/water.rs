@@ -24,15 +24,20 @@ impl Water {
 
     /// No wave reaches further from the rest plane than this: Σ |A|, metres.
     pub fn height_bound(&self) -> f64 {
-        self.waves.iter().map(|wave| wave.amplitude.abs()).sum()
+        // An empty sum of floats is −0, which would be printed so.
+        0.0 + self
+            .waves
+            .iter()
+            .map(|wave| wave.amplitude.abs())
+            .sum::<f64>()
     }
 
     /// No slope is steeper than this: Σ |A| |k|.
     pub fn slope_bound(&self) -> f64 {
-        self.waves
-            .iter()
+        let terms = self.waves.iter();
+        0.0 + terms
             .map(|wave| wave.amplitude.abs() * wave.wave_vector.length())
-            .sum()
+            .sum::<f64>()
     }
 
     /// √⟨|∇h|²⟩ = √(Σ (A k)² / 2), the mean being over the plane and over time.
@@ -42,7 +47,7 @@ impl Water {
             .iter()
             .map(|wave| wave.amplitude.powi(2) * wave.wave_vector.length_squared())
             .sum();
-        (0.5 * twice).sqrt()
+        (0.0 + 0.5 * twice).sqrt()
     }
 
     /// Whether the surface is a plane at all times.
