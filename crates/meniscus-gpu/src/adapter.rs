@@ -94,13 +94,30 @@ fn enumerate(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
     adapters
 }
 
-/// The best adapter whose name contains `wanted`; the older interfaces are asked last.
+/// Whether it can render what pipelines keep between passes; some drivers of older interfaces cannot.
+fn renders_floats(adapter: &wgpu::Adapter) -> bool {
+    let needed = [
+        wgpu::TextureFormat::Rgba16Float,
+        wgpu::TextureFormat::Rgba32Float,
+    ];
+    needed.into_iter().all(|format| {
+        let usages = adapter.get_texture_format_features(format).allowed_usages;
+        usages.contains(wgpu::TextureUsages::RENDER_ATTACHMENT)
+    })
+}
+
+/// The best adapter whose name contains `wanted`, or the best that can render floating point; the
+/// older interfaces are asked last.
 fn choose(wanted: Option<&str>) -> Result<wgpu::Adapter, GpuError> {
     let mut found = Vec::new();
     for backends in [wgpu::Backends::PRIMARY, wgpu::Backends::SECONDARY] {
         for adapter in enumerate(backends) {
             let facts = AdapterFacts::from(adapter.get_info());
-            if wanted.is_none_or(|w| facts.name.to_lowercase().contains(&w.to_lowercase())) {
+            let chosen = match wanted {
+                Some(part) => facts.name.to_lowercase().contains(&part.to_lowercase()),
+                None => renders_floats(&adapter),
+            };
+            if chosen {
                 return Ok(adapter);
             }
             found.push(facts.to_string());

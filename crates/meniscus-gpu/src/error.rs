@@ -7,7 +7,7 @@ use std::fmt;
 /// Every message says what was being done, what is wrong, and where possible how to mend it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum GpuError {
-    /// No adapter, or none of the wanted name.
+    /// No adapter, none of the wanted name, or none that can render floating point.
     NoAdapter {
         /// The part of a name that was asked for.
         wanted: Option<String>,
@@ -49,7 +49,11 @@ impl std::error::Error for GpuError {}
 fn no_adapter(f: &mut fmt::Formatter<'_>, wanted: Option<&str>, found: &[String]) -> fmt::Result {
     match wanted {
         Some(name) => writeln!(f, "no graphics adapter's name contains `{name}`")?,
-        None => writeln!(f, "there is no graphics adapter")?,
+        None if found.is_empty() => writeln!(f, "there is no graphics adapter")?,
+        None => writeln!(
+            f,
+            "no graphics adapter can render to textures of floating point"
+        )?,
     }
     if found.is_empty() {
         return write!(
@@ -64,7 +68,7 @@ fn no_adapter(f: &mut fmt::Formatter<'_>, wanted: Option<&str>, found: &[String]
     }
     write!(
         f,
-        "\nhelp: name a part of one of these; a software adapter comes, on Debian and Ubuntu, with: \
+        "\nhelp: name a part of one of these to use it; a software adapter comes, on Debian and Ubuntu, with: \
          sudo apt-get install mesa-vulkan-drivers libvulkan1"
     )
 }
