@@ -1,0 +1,40 @@
+//! The main job on the built-in pool.
+
+use std::path::PathBuf;
+
+use crate::command::{self, Failure};
+
+/// From no refraction to both phases, and the published forms.
+const PIPELINES: [&str; 6] = [
+    "refraction/none",
+    "refraction/broad",
+    "refraction/narrow",
+    "refraction/combined",
+    "refraction/paper",
+    "refraction/paper-literal",
+];
+
+/// Runs it and says where the results are.
+pub(crate) fn demo() -> Result<(), Failure> {
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or("target".into(), PathBuf::from);
+    let out = command::workspace().join(target).join("demo");
+    let (json, table) = (out.join("results.json"), out.join("table.md"));
+    eprintln!("Building and running; the first build takes some minutes.");
+    let mut run = command::cargo();
+    run.args(["run", "--release", "--locked", "--bin", "meniscus", "--"])
+        .arg("ablate")
+        .args(PIPELINES)
+        .args(["--scene", "pool", "--size", "640x360"])
+        .args(["--truth", "displaced"])
+        .arg("--json")
+        .arg(&json)
+        .arg("--markdown")
+        .arg(&table)
+        .arg("--out")
+        .arg(&out);
+    command::run(&mut run)?;
+    eprintln!("\nPictures and error maps: {}", out.display());
+    eprintln!("Table:                   {}", table.display());
+    eprintln!("Figures as JSON:         {}", json.display());
+    Ok(())
+}
