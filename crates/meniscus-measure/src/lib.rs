@@ -2,7 +2,7 @@
 //!
 //! What is here knows nothing of GPUs, scenes or tracers. A caller hands over what was shown and what
 //! is true, pixel by pixel ([`Comparison`]), and the frame times it took ([`Timing`]); it gets figures
-//! ([`Errors`]), tables ([`table`]), false colours ([`heat`]) and the results file ([`Results`]).
+//! ([`Errors`]), tables ([`Table`]), false colours ([`heat`]) and the results file ([`Results`]).
 //!
 //! Nothing is dropped: a NaN counts as the largest error there is, never as no error.
 

@@ -140,7 +140,7 @@ fn what_is_too_fine_to_be_resolved_is_judged_all_the_same() {
             .unwrap()
             .visible_pixels
     };
-    assert_eq!((seen(0.0), seen(1.0)), (0, 64 * 64));
+    assert_eq!((seen(0.1), seen(1.0)), (0, 64 * 64));
 }
 
 /// Pairs with known verdicts, which are not part of this project.
