@@ -49,7 +49,7 @@ impl WaterBand {
         let water = &scene.water;
         let margin = match water.geometry {
             WaterGeometry::Flat => 0.0,
-            WaterGeometry::Displaced => water.waves.iter().map(|w| w.amplitude.abs()).sum(),
+            WaterGeometry::Displaced => water.height_bound(),
         };
         // As the shaders know it, so that both draw the line at the same height.
         let level = f64::from(water.level as f32);

@@ -35,15 +35,10 @@ pub struct GuardFacts {
 /// The tilt to take account of, radians: the angle of the smaller of the bound Σ|A||k| and three
 /// times the rms slope √(½ Σ (A k)²), which is much the smaller one for many waves.
 pub fn largest_tilt(water: &Water) -> f64 {
-    let slopes = || {
-        water
-            .waves
-            .iter()
-            .map(|w| (w.amplitude * w.wave_vector.length()).abs())
-    };
-    let bound: f64 = slopes().sum();
-    let rms = (0.5 * slopes().map(|s| s * s).sum::<f64>()).sqrt();
-    bound.min(RMS_MULTIPLE * rms).atan()
+    water
+        .slope_bound()
+        .min(RMS_MULTIPLE * water.rms_slope())
+        .atan()
 }
 
 /// Pixels to add on every side (x: left and right, y: top and bottom) so that a point displaced by

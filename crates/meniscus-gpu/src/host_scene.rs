@@ -117,16 +117,14 @@ impl HostScene {
         // (N − 1)(N + 1) rather than N² − 1, which cancels for N near 1.
         let root = ((larger - 1.0) * (larger + 1.0)).sqrt();
         let root_high = root as f32;
-        let sum =
-            |term: fn(&meniscus_scene::Wave) -> f64| water.waves.iter().map(term).sum::<f64>();
         let value = match member {
             "level" => water.level,
             "refractive_index" => n,
             "relative_index" => self.relative_index(),
             "camera_side" if self.eye_above() => 1.0,
             "camera_side" => -1.0,
-            "height_bound" => sum(|w| w.amplitude.abs()),
-            "slope_bound" => sum(|w| (w.amplitude * w.wave_vector.length()).abs()),
+            "height_bound" => water.height_bound(),
+            "slope_bound" => water.slope_bound(),
             "larger_index" => larger,
             "root_high" => root,
             "root_low" => root - f64::from(root_high),
