@@ -200,7 +200,7 @@ impl<'a> Builder<'a> {
             Value::Leaves(leaves) => {
                 let (_, part) = self.part(base_type)?;
                 let count = self.with_types(|t| t.leaf_count(&part))?.max(1);
-                let choices = leaves.chunks(count).map(<[Leaf]>::to_vec).collect();
+                let choices: Vec<_> = leaves.chunks(count).map(<[Leaf]>::to_vec).collect();
                 let index = self.bounded(index, (leaves.len() / count) as u32);
                 let leaves = self.pick(&choices, index)?;
                 Ok(Value::Leaves(leaves))
