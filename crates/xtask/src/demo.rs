@@ -18,7 +18,6 @@ const PIPELINES: [&str; 6] = [
 pub(crate) fn demo() -> Result<(), Failure> {
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or("target".into(), PathBuf::from);
     let out = command::workspace().join(target).join("demo");
-    let (json, table) = (out.join("results.json"), out.join("table.md"));
     eprintln!("Building and running; the first build takes some minutes.");
     let mut run = command::cargo();
     run.args(["run", "--release", "--locked", "--bin", "meniscus", "--"])
@@ -26,15 +25,17 @@ pub(crate) fn demo() -> Result<(), Failure> {
         .args(PIPELINES)
         .args(["--scene", "pool", "--size", "640x360"])
         .args(["--truth", "displaced"])
-        .arg("--json")
-        .arg(&json)
-        .arg("--markdown")
-        .arg(&table)
         .arg("--out")
         .arg(&out);
     command::run(&mut run)?;
     eprintln!("\nPictures and error maps: {}", out.display());
-    eprintln!("Table:                   {}", table.display());
-    eprintln!("Figures as JSON:         {}", json.display());
+    eprintln!(
+        "Table:                   {}",
+        out.join("results.md").display()
+    );
+    eprintln!(
+        "Time against error:      {}",
+        out.join("time-error.svg").display()
+    );
     Ok(())
 }
