@@ -127,7 +127,7 @@ impl Header {
         let names = || list(file, value, start);
         let first = || one(file, value, start);
         let (word, rest) = key.trim().split_once(' ').unwrap_or((key.trim(), ""));
-        let rest_start = line.start + key.find(rest).unwrap_or(0);
+        let rest_start = line.start + key.trim_end().len() - rest.len();
         match (word, rest.is_empty()) {
             ("provides", true) => self.provides = Some(first()?),
             ("skeleton", true) => self.skeleton = Some(first()?),
@@ -289,7 +289,7 @@ mod tests {
         let (header, report) = read(
             "// Keeps the best tap.\r\n// Prose: with a colon.\n//\n// provides: intersect\n// needs: a/b, c/d\n\
              // slots: step: intersect, reproject\n// requires: reproject = screen/plain\n\
-             // number bound_px: 0 to 64 px, step 0.05\n// when waves and displaced: water/marched\nfn f() {}",
+             // number bound_px: 0 to 64 px, step 0.05\n// number r: 0 to 1\n// when waves and displaced: water/marched\nfn f() {}",
         );
         assert!(report.0.is_empty(), "{report}");
         assert_eq!(header.purpose, "Keeps the best tap.");
@@ -302,6 +302,7 @@ mod tests {
         let number = &header.numbers[0];
         assert_eq!((number.least, number.most, number.step, number.unit.as_str()), (0.0, 64.0, 0.05, "px"));
         assert_eq!(number.name.place.text(), "bound_px");
+        assert_eq!(header.numbers[1].name.place.to_string(), "m.wgsl:9:11");
         assert_eq!(header.when[0].facts[1].place.text(), "displaced");
     }
 

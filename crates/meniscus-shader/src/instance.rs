@@ -8,9 +8,14 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use meniscus_source::{Diagnostic, Place, Report};
 
 use crate::filling::Filling;
-use crate::header::SlotUse;
+use crate::header::{Name, SlotUse};
 use crate::library::{Library, Module, Role};
 use crate::outline::ItemKind;
+
+/// How deep slots and needs may lead; far beyond honest use, and little enough for any stack.
+const MAX_DEPTH: usize = 100;
+/// The most instances in one shader.
+const MAX_INSTANCES: usize = 2000;
 
 /// One use of a module.
 #[derive(Debug)]
@@ -20,22 +25,25 @@ pub(crate) struct Instance<'l> {
     pub role: Vec<String>,
     /// The slot that it fills.
     pub slot: Option<&'l Module>,
-    /// For each of its variables that differs from its name, the resource it is connected to.
+    /// The resources of those of its variables that are connected otherwise than the whole
+    /// shader's variables of these names.
     pub reads: BTreeMap<String, String>,
     /// The fillings of the slots it calls.
     pub slots: Vec<(&'l SlotUse, usize)>,
     /// The modules it needs.
     pub needs: Vec<usize>,
-    /// Where a pipeline asked for it.
+    /// Where a pipeline asked for it, or for what brought it in.
     pub place: Option<Place>,
 }
 
 /// Where an unfilled slot looks for its filling.
-struct Scope<'r> {
-    parent: Option<usize>,
-    fillings: &'r BTreeMap<String, Filling>,
+pub(crate) struct Scope<'r> {
+    pub parent: Option<usize>,
+    pub fillings: &'r BTreeMap<String, Filling>,
     role: Vec<String>,
     reads: BTreeMap<String, String>,
+    /// The filling that this is the inside of.
+    key: Option<(usize, String)>,
 }
 
 /// Instances in the order they were needed; the skeleton is the last.
@@ -43,26 +51,41 @@ pub(crate) struct Instances<'l> {
     pub all: Vec<Instance<'l>>,
     /// The resources that variables of the whole shader are connected to, by variable.
     pub reads: BTreeMap<String, String>,
+    /// Warnings about fillings that nothing asks for.
+    pub unused: Report,
 }
 
-struct Resolver<'l, 'r> {
-    library: &'l Library,
-    facts: &'r BTreeSet<String>,
-    scopes: Vec<Scope<'r>>,
-    instances: Vec<Instance<'l>>,
-    /// Needed modules by path, reads and slots.
-    needed: HashMap<(String, BTreeMap<String, String>, Vec<usize>), usize>,
-    /// Filled slots by scope and name; none while they are being resolved.
-    filled: HashMap<(usize, String), Option<usize>>,
-    /// Fillings with nothing of their own, which stand once however often they are asked for.
-    plain: HashMap<(String, String), usize>,
-    /// Slots filled by default; none while they are being resolved.
-    defaults: HashMap<String, Option<usize>>,
+/// What decides an instance that has no numbers of its own: module, slot, reads, slots and needs.
+type Shape = (String, Option<String>, BTreeMap<String, String>, Vec<usize>);
+
+pub(crate) struct Resolver<'l, 'r> {
+    pub library: &'l Library,
+    pub facts: &'r BTreeSet<String>,
+    pub scopes: Vec<Scope<'r>>,
+    pub instances: Vec<Instance<'l>>,
+    /// Instances without numbers of their own, which stand once however often they are wanted.
+    shapes: HashMap<Shape, usize>,
+    /// Needed modules by path and scope.
+    needed: HashMap<(String, usize), usize>,
+    /// Filled slots by scope and name; none while they are being resolved, or when they failed.
+    filled: HashMap<(usize, String), Filled>,
+    /// Slots filled by default, by path and scope.
+    defaults: HashMap<(String, usize), usize>,
+    /// Slots whose default is being resolved.
+    defaulting: Vec<String>,
     needing: Vec<String>,
-    report: Report,
+    depth: usize,
+    pub report: Report,
 }
 
-/// Resolves everything that a skeleton calls and needs.
+#[derive(Clone, Copy)]
+enum Filled {
+    InProgress,
+    Failed,
+    Done(usize),
+}
+
+/// Resolves everything that a skeleton, or a module by itself, calls and needs.
 pub(crate) fn resolve<'l>(
     library: &'l Library,
     skeleton: &'l Module,
@@ -79,35 +102,44 @@ pub(crate) fn resolve<'l>(
             fillings,
             role: Vec::new(),
             reads: reads.clone(),
+            key: None,
         }],
         instances: Vec::new(),
+        shapes: HashMap::new(),
         needed: HashMap::new(),
         filled: HashMap::new(),
-        plain: HashMap::new(),
         defaults: HashMap::new(),
+        defaulting: Vec::new(),
         needing: Vec::new(),
+        depth: 0,
         report: Report::default(),
     };
-    resolver.check_fillings(fillings, None);
+    resolver.check_fillings(fillings, Some(skeleton));
     let slots = resolver.slots_of(skeleton, 0);
     let needs = resolver.needs_of(skeleton, 0);
-    let instance = Instance {
+    resolver.instances.push(Instance {
         module: skeleton,
         role: Vec::new(),
         slot: None,
-        reads: resolver.reads_of(skeleton, 0),
+        reads: BTreeMap::new(),
         slots,
         needs,
         place: place.cloned(),
-    };
-    resolver.instances.push(instance);
-    let Resolver {
-        instances, report, ..
-    } = resolver;
-    report.into_result(Instances {
-        all: instances,
-        reads,
-    })
+    });
+    let unused = resolver.unused();
+    let Resolver { mut instances, report, .. } = resolver;
+    // What a module brings in is asked for where the module is.
+    for index in (0..instances.len()).rev() {
+        let parent = &instances[index];
+        let place = parent.place.clone();
+        let parts: Vec<usize> = parent.slots.iter().map(|(_, i)| *i).chain(parent.needs.iter().copied()).collect();
+        for part in parts {
+            if instances[part].place.is_none() {
+                instances[part].place.clone_from(&place);
+            }
+        }
+    }
+    report.into_result(Instances { all: instances, reads, unused })
 }
 
 impl<'l, 'r> Resolver<'l, 'r> {
@@ -123,76 +155,96 @@ impl<'l, 'r> Resolver<'l, 'r> {
     }
 
     /// The filling of a slot: by the module's own name for it in its own scope, by the slot's name
-    /// in the enclosing ones, else the slot's default.
+    /// there and in the enclosing ones, else the slot's default.
     fn slot(&mut self, used: &'l SlotUse, scope: usize) -> Option<usize> {
         let slot = self.library.slot(&used.slot.text)?;
-        let mut name = used.name.text.as_str();
+        if !self.enter(&used.name) {
+            return None;
+        }
+        let found = self.slot_within(slot, used, scope);
+        self.depth -= 1;
+        found
+    }
+
+    fn slot_within(&mut self, slot: &'l Module, used: &'l SlotUse, scope: usize) -> Option<usize> {
+        let mut enclosing = BTreeSet::new();
         let mut next = Some(scope);
         while let Some(current) = next {
             let fillings: &'r BTreeMap<String, Filling> = self.scopes[current].fillings;
-            if let Some(filling) = fillings.get(name) {
-                let key = (current, name.to_owned());
+            let own = (current == scope).then_some(used.name.text.as_str());
+            let named = own.into_iter().chain([used.slot.text.as_str()]).find_map(|name| fillings.get_key_value(name));
+            if let Some((name, filling)) = named {
+                let key = (current, name.clone());
                 match self.filled.get(&key) {
-                    Some(Some(instance)) => return Some(*instance),
-                    // It is this very filling that asks: the next one out is meant.
-                    Some(None) => {}
+                    Some(Filled::Done(instance)) => return Some(*instance),
+                    Some(Filled::Failed) => return None,
+                    // It is this very filling, or one within it, that asks: the next one out is meant.
+                    Some(Filled::InProgress) if enclosing.contains(&key) => {}
+                    Some(Filled::InProgress) => {
+                        let mut circle =
+                            Diagnostic::error(format!("the filling of `{name}` calls itself by way of others"));
+                        if let Some(place) = &filling.module.place {
+                            circle = circle.at(place, "comes back here");
+                        }
+                        self.report.add(
+                            circle
+                                .see(&used.name.place, "called here")
+                                .with_help(format!("give one of them a filling of its own for `{}`", used.slot.text)),
+                        );
+                        return None;
+                    }
                     None => {
-                        self.filled.insert(key.clone(), None);
+                        self.filled.insert(key.clone(), Filled::InProgress);
                         let instance = self.fill(filling, slot, name, current);
-                        match instance {
-                            Some(instance) => self.filled.insert(key, Some(instance)),
-                            None => self.filled.remove(&key),
-                        };
+                        self.filled.insert(key, instance.map_or(Filled::Failed, Filled::Done));
                         return instance;
                     }
                 }
             }
+            enclosing.extend(self.scopes[current].key.clone());
             next = self.scopes[current].parent;
-            name = &used.slot.text;
         }
-        self.default_of(slot, used)
+        self.default_of(slot, used, scope)
     }
 
     /// The filling that facts choose, or the slot's own body.
-    fn default_of(&mut self, slot: &'l Module, used: &SlotUse) -> Option<usize> {
-        match self.defaults.get(&slot.path) {
-            Some(Some(instance)) => return Some(*instance),
-            Some(None) => {
-                self.report.add(
-                    Diagnostic::error(format!("the slot `{}` is filled by itself", slot.leaf()))
-                        .at(&used.name.place, "nothing but this filling is there to call")
-                        .with_help(format!("fill `{}` in the pipeline", used.name.text)),
-                );
-                return None;
-            }
-            None => {}
+    fn default_of(&mut self, slot: &'l Module, used: &SlotUse, scope: usize) -> Option<usize> {
+        let key = (slot.path.clone(), scope);
+        if let Some(instance) = self.defaults.get(&key) {
+            return Some(*instance);
         }
-        self.defaults.insert(slot.path.clone(), None);
-        let chosen = slot
-            .header
-            .when
-            .iter()
-            .find(|when| when.facts.iter().all(|fact| self.facts.contains(&fact.text)));
-        let module = match chosen {
-            Some(when) => self.library.get(&when.module.text)?,
-            None => slot,
-        };
+        if self.defaulting.contains(&slot.path) {
+            self.report.add(
+                Diagnostic::error(format!("the slot `{}` is filled by itself", slot.leaf()))
+                    .at(&used.name.place, "nothing but this filling is there to call")
+                    .with_help(format!("fill `{}` in the pipeline", used.name.text)),
+            );
+            return None;
+        }
+        let (module, place) = self.default_module(slot)?;
         if module.path != slot.path {
-            let place = chosen.map(|when| when.module.place.clone());
-            self.check_contract(module, slot, place.as_ref())?;
+            self.check_contract(module, slot, place)?;
         }
-        let instance = self.instance(module, Some(slot), vec![slot.leaf().to_owned()], 0, None);
-        self.defaults.insert(slot.path.clone(), Some(instance));
+        self.defaulting.push(slot.path.clone());
+        let mut role = self.scopes[scope].role.clone();
+        role.push(slot.leaf().to_owned());
+        let instance = self.instance(module, Some(slot), role, scope, None);
+        self.check_requirements(instance, scope);
+        self.defaulting.pop();
+        self.defaults.insert(key, instance);
         Some(instance)
     }
 
-    fn fill(
-        &mut self,
-        filling: &'r Filling,
-        slot: &'l Module,
-        name: &str,
-        scope: usize,
-    ) -> Option<usize> {
+    /// The module that fills a slot which nothing else fills, and where the slot says so.
+    pub fn default_module(&self, slot: &'l Module) -> Option<(&'l Module, Option<&'l Place>)> {
+        let holds = |fact: &Name| self.facts.contains(&fact.text);
+        match slot.header.when.iter().find(|when| when.facts.iter().all(holds)) {
+            Some(when) => Some((self.library.get(&when.module.text)?, Some(&when.module.place))),
+            None => Some((slot, None)),
+        }
+    }
+
+    fn fill(&mut self, filling: &'r Filling, slot: &'l Module, name: &str, scope: usize) -> Option<usize> {
         let place = filling.module.place.as_ref();
         let module = match self.library.find(&filling.module, place) {
             Ok(module) => module,
@@ -204,15 +256,7 @@ impl<'l, 'r> Resolver<'l, 'r> {
         self.check_contract(module, slot, place)?;
         self.check_numbers(module, filling);
         self.check_fillings(&filling.slots, Some(module));
-        let shareable = filling.slots.is_empty()
-            && filling.reads.is_empty()
-            && scope == 0
-            && module.header.slots.is_empty()
-            && module.overrides().next().is_none();
-        let key = (module.path.clone(), slot.path.clone());
-        if let Some(&instance) = self.plain.get(&key).filter(|_| shareable) {
-            return Some(instance);
-        }
+        self.check_reads(module, filling);
         let mut role = self.scopes[scope].role.clone();
         role.push(name.to_owned());
         let mut reads = self.scopes[scope].reads.clone();
@@ -223,16 +267,14 @@ impl<'l, 'r> Resolver<'l, 'r> {
             fillings: &filling.slots,
             role: role.clone(),
             reads,
+            key: Some((scope, name.to_owned())),
         });
-        self.check_reads(module, filling);
         let instance = self.instance(module, Some(slot), role, inner, place);
         self.check_requirements(instance, inner);
-        if shareable {
-            self.plain.insert(key, instance);
-        }
         Some(instance)
     }
 
+    /// An instance of a module within a scope, or the one there is already that is just like it.
     fn instance(
         &mut self,
         module: &'l Module,
@@ -244,6 +286,13 @@ impl<'l, 'r> Resolver<'l, 'r> {
         let slots = self.slots_of(module, scope);
         let needs = self.needs_of(module, scope);
         let reads = self.reads_of(module, scope);
+        let parts = slots.iter().map(|(_, i)| *i).chain(needs.iter().copied()).collect();
+        let shape = (module.path.clone(), slot.map(|s| s.path.clone()), reads.clone(), parts);
+        // Numbers have names of their own in every role.
+        let shareable = slot.is_none() || module.overrides().next().is_none();
+        if let Some(&there) = self.shapes.get(&shape).filter(|_| shareable) {
+            return there;
+        }
         self.instances.push(Instance {
             module,
             role,
@@ -253,6 +302,7 @@ impl<'l, 'r> Resolver<'l, 'r> {
             needs,
             place: place.cloned(),
         });
+        self.shapes.insert(shape, self.instances.len() - 1);
         self.instances.len() - 1
     }
 
@@ -267,234 +317,77 @@ impl<'l, 'r> Resolver<'l, 'r> {
                         self.needing[start..].join(" → "),
                         need.text
                     ))
-                    .at(&need.place, "closes the circle"),
+                    .at(&need.place, "closes the circle")
+                    .with_help("move what both use into a module of its own"),
                 );
                 continue;
             }
-            let Some(needed) = self.library.get(&need.text) else {
-                // The library's own report has told of it.
-                self.report.extend(Report(
-                    self.library.find(&need.text, Some(&need.place)).err().into_iter().collect(),
-                ));
-                continue;
-            };
-            if needed.role() != Role::Shared {
+            let key = (need.text.clone(), scope);
+            if let Some(&instance) = self.needed.get(&key) {
+                found.push(instance);
                 continue;
             }
-            let slots = self.slots_of(needed, scope);
-            let needs = self.needs_of(needed, scope);
-            let reads = self.reads_of(needed, scope);
-            let mut parts: Vec<usize> = slots.iter().map(|(_, instance)| *instance).collect();
-            parts.extend(&needs);
-            let key = (needed.path.clone(), reads.clone(), parts);
-            let instance = match self.needed.get(&key) {
-                Some(&instance) => instance,
-                None => {
-                    self.instances.push(Instance {
-                        module: needed,
-                        role: Vec::new(),
-                        slot: None,
-                        reads,
-                        slots,
-                        needs,
-                        place: None,
-                    });
-                    self.needed.insert(key, self.instances.len() - 1);
-                    self.instances.len() - 1
+            match self.library.find(&need.text, Some(&need.place)) {
+                Ok(needed) if needed.role() == Role::Shared => {
+                    if self.enter(need) {
+                        let instance = self.instance(needed, None, Vec::new(), scope, None);
+                        self.depth -= 1;
+                        self.needed.insert(key, instance);
+                        found.push(instance);
+                    }
                 }
-            };
-            found.push(instance);
+                Ok(_) => self.report.add(Library::cannot_be_needed(need)),
+                Err(unknown) => self.report.add(unknown),
+            }
         }
         self.needing.pop();
         found
     }
 
-    /// The renamings of resources that concern a module's own variables.
+    /// Goes one step deeper, unless that is too deep or the shader is too large already.
+    fn enter(&mut self, name: &Name) -> bool {
+        let what = if self.depth >= MAX_DEPTH {
+            format!("modules lead to modules more than {MAX_DEPTH} deep")
+        } else if self.instances.len() >= MAX_INSTANCES {
+            format!("a shader of more than {MAX_INSTANCES} modules")
+        } else {
+            self.depth += 1;
+            return true;
+        };
+        // Said once: everything that follows from it would only repeat it.
+        if !self.report.0.iter().any(|d| d.message == what) {
+            self.report.add(Diagnostic::error(what).at(&name.place, "here it becomes too much"));
+        }
+        false
+    }
+
+    /// The resources of a module's own variables, where they differ from the whole shader's.
     fn reads_of(&self, module: &Module, scope: usize) -> BTreeMap<String, String> {
+        let shared = &self.scopes[0].reads;
         let reads = &self.scopes[scope].reads;
         variables(module)
-            .filter_map(|name| Some((name.to_owned(), reads.get(name)?.clone())))
-            .filter(|(name, resource)| name != resource)
+            .filter_map(|name| Some((name, reads.get(name)?)))
+            .filter(|(name, resource)| shared.get(*name).map_or(*name, String::as_str) != resource.as_str())
+            .map(|(name, resource)| (name.to_owned(), resource.clone()))
             .collect()
     }
 
-    /// A filling provides its slot, with the slot's functions.
-    fn check_contract(
-        &mut self,
-        module: &Module,
-        slot: &Module,
-        place: Option<&Place>,
-    ) -> Option<()> {
-        let asked = |diagnostic: Diagnostic| match place {
-            Some(place) => diagnostic.see(place, "asked for here"),
-            None => diagnostic,
-        };
-        if module.path == slot.path {
-            return Some(());
-        }
-        let Some(provides) = &module.header.provides else {
-            let mut wrong = Diagnostic::error(format!("`{}` fills no slot", module.path));
-            if let Some(place) = place {
-                wrong = wrong.at(place, format!("a filling of `{}` is wanted", slot.leaf()));
-            }
-            self.report.add(wrong.with_help(format!(
-                "add the line `// provides: {}` to {} if it does",
-                slot.leaf(),
-                module.file.name
-            )));
-            return None;
-        };
-        if provides.text != slot.leaf() {
-            self.report.add(asked(
-                Diagnostic::error(format!(
-                    "`{}` fills the slot `{}`, not `{}`",
-                    module.path,
-                    provides.text,
-                    slot.leaf()
-                ))
-                .at(&provides.place, format!("provides `{}`", provides.text)),
-            ));
-            return None;
-        }
-        let mut kept = true;
-        for wanted in slot.functions() {
-            let there = module.item(&wanted.name);
-            let types = |kind: &ItemKind| match kind {
-                ItemKind::Function { parameters, result } => Some((
-                    parameters.iter().map(|p| p.ty.clone()).collect::<Vec<_>>(),
-                    result.clone(),
-                )),
-                _ => None,
-            };
-            let wrong = match there {
-                Some(item) if types(&item.kind) == types(&wanted.kind) => continue,
-                Some(item) => Diagnostic::error(format!(
-                    "`{}` has not the signature of the slot `{}`",
-                    module.path,
-                    slot.leaf()
-                ))
-                .at(&module.place(signature(module, item)), "this signature"),
-                None => Diagnostic::error(format!(
-                    "`{}` provides `{}` but has no function `{}`",
-                    module.path,
-                    slot.leaf(),
-                    wanted.name
-                ))
-                .at(&provides.place, format!("`{}` is missing", wanted.name)),
-            };
-            kept = false;
-            self.report.add(asked(
-                wrong.see(&slot.place(signature(slot, wanted)), "the slot's signature"),
-            ));
-        }
-        kept.then_some(())
-    }
-
-    fn check_numbers(&mut self, module: &Module, filling: &Filling) {
-        for (name, value) in &filling.numbers {
-            let report = |report: &mut Report, diagnostic: Diagnostic, words: &str| {
-                report.add(match &value.place {
-                    Some(place) => diagnostic.at(place, words),
-                    None => diagnostic,
-                });
-            };
-            if !module.overrides().any(|item| item.name == *name) {
-                let known = module.overrides().map(|item| item.name.as_str());
-                let unknown = Diagnostic::error(format!("`{}` has no number `{name}`", module.path))
-                    .with_suggestion(name, known);
-                report(&mut self.report, unknown, "unknown number");
-                continue;
-            }
-            let number = module.header.number(name);
-            let (least, most) = number.map_or((f64::MIN, f64::MAX), |n| (n.least, n.most));
-            if !(least..=most).contains(&value.value) {
-                let unit = number.map_or("", |n| n.unit.as_str());
-                let wrong = Diagnostic::error(format!(
-                    "`{name}` of `{}` is {least} to {most} {unit}",
-                    module.path
-                ));
-                report(&mut self.report, wrong, &format!("{} is outside", value.value));
-            }
-        }
-    }
-
-    /// What is filled must be a slot: of the module, or one that something within may ask for.
-    fn check_fillings(&mut self, fillings: &BTreeMap<String, Filling>, module: Option<&Module>) {
-        for (name, filling) in fillings {
-            let own = module.is_some_and(|m| m.header.slots.iter().any(|s| s.name.text == *name));
-            if !own && self.library.slot(name).is_none() {
-                let mut unknown = self.library.unknown_slot(name, filling.slot_place.as_ref());
-                if let Some(module) = module {
-                    let own: Vec<_> =
-                        module.header.slots.iter().map(|s| format!("`{}`", s.name.text)).collect();
-                    if !own.is_empty() {
-                        unknown = unknown
-                            .with_help(format!("`{}` has {}", module.path, own.join(", ")));
-                    }
+    /// Warnings about fillings that nothing in the shader asks for.
+    fn unused(&self) -> Report {
+        let mut report = Report::default();
+        for (index, scope) in self.scopes.iter().enumerate() {
+            for (name, filling) in scope.fillings {
+                if self.filled.contains_key(&(index, name.clone())) {
+                    continue;
                 }
-                self.report.add(unknown);
-            }
-        }
-    }
-
-    /// `reads` must name variables that the module or its needs declare.
-    fn check_reads(&mut self, module: &Module, filling: &Filling) {
-        if filling.reads.is_empty() {
-            return;
-        }
-        let mut known = BTreeSet::new();
-        let mut open = vec![module];
-        let mut seen = BTreeSet::new();
-        while let Some(module) = open.pop() {
-            if seen.insert(module.path.clone()) {
-                known.extend(variables(module).map(str::to_owned));
-                let needs = module.header.needs.iter();
-                open.extend(needs.filter_map(|need| self.library.get(&need.text)));
-            }
-        }
-        for (name, resource) in &filling.reads {
-            if !known.contains(name) && filling.slots.is_empty() {
-                let mut unknown =
-                    Diagnostic::error(format!("`{}` reads no `{name}`", module.path));
-                if let Some(place) = &resource.place {
-                    unknown = unknown.at(place, "connected to nothing");
+                let mut unused = Diagnostic::warning(format!("nothing here asks for the slot `{name}`"));
+                if let Some(place) = filling.slot_place.as_ref().or(filling.module.place.as_ref()) {
+                    unused = unused.at(place, "a filling without effect");
                 }
-                self.report
-                    .add(unknown.with_suggestion(name, known.iter().map(String::as_str)));
+                report.add(unused);
             }
         }
-    }
-
-    fn check_requirements(&mut self, instance: usize, scope: usize) {
-        let module = self.instances[instance].module;
-        for required in &module.header.requires {
-            let used = SlotUse {
-                name: required.slot.clone(),
-                slot: required.slot.clone(),
-            };
-            // Resolved already if the module calls the slot; otherwise looked up by name alone.
-            let mut next = Some(scope);
-            let mut found = None;
-            while let (Some(current), None) = (next, &found) {
-                found = self.scopes[current]
-                    .fillings
-                    .get(&used.slot.text)
-                    .map(|filling| filling.module.value.clone());
-                next = self.scopes[current].parent;
-            }
-            if found.as_deref() != Some(required.module.text.as_str()) {
-                let mut wrong = Diagnostic::error(format!(
-                    "`{}` is valid only with `{}` in the slot `{}`",
-                    module.path, required.module.text, required.slot.text
-                ))
-                .see(&required.slot.place, "required here");
-                if let Some(place) = &self.instances[instance].place {
-                    let there = found.unwrap_or_else(|| "the slot's default".into());
-                    wrong = wrong.at(place, format!("`{}` is {there} here", required.slot.text));
-                }
-                self.report.add(wrong);
-            }
-        }
+        report
     }
 }
 
@@ -506,11 +399,4 @@ pub(crate) fn variables(module: &Module) -> impl Iterator<Item = &str> {
         .iter()
         .filter(|item| matches!(item.kind, ItemKind::Variable { .. }))
         .map(|item| item.name.as_str())
-}
-
-/// From `fn` to the end of the result's type.
-fn signature(module: &Module, item: &crate::outline::Item) -> std::ops::Range<usize> {
-    let text = &module.file.text[item.range.clone()];
-    let end = text.find('{').unwrap_or(text.len());
-    item.range.start..item.range.start + text[..end].trim_end().len()
 }

@@ -91,8 +91,10 @@ fn block_comment(text: &str) -> usize {
 
 fn number(text: &str) -> usize {
     let mut previous = ' ';
+    // `0xe+1` is a sum, `0x1p+1` and `1e+1` are numbers.
+    let exponent = if text.starts_with("0x") || text.starts_with("0X") { ['p', 'P'] } else { ['e', 'E'] };
     for (at, c) in text.char_indices() {
-        let exponent_sign = matches!(c, '+' | '-') && matches!(previous, 'e' | 'E' | 'p' | 'P');
+        let exponent_sign = matches!(c, '+' | '-') && exponent.contains(&previous);
         if !(c.is_ascii_alphanumeric() || c == '.' || exponent_sign) {
             return at;
         }
@@ -115,6 +117,11 @@ mod tests {
             words("fn a(/* x /* y */ */b: vec2f) // c\n{ return .5e-3f+0x1p+4; }"),
             ["fn", "a", "(", "b", ":", "vec2f", ")", "{", "return", ".5e-3f", "+", "0x1p+4", ";", "}"]
         );
+    }
+
+    #[test]
+    fn a_hexadecimal_number_ends_before_a_sum() {
+        assert_eq!(words("0xe+taps-1e-3*0xfp-2"), ["0xe", "+", "taps", "-", "1e-3", "*", "0xfp-2"]);
     }
 
     #[test]

@@ -6,6 +6,7 @@
 //! naga, with the bindings assigned. See this crate's README for the module format.
 
 mod compose;
+mod contract;
 mod entry;
 mod filling;
 mod header;
@@ -13,7 +14,9 @@ mod instance;
 mod ir;
 mod lexer;
 mod library;
+mod names;
 mod outline;
+mod predeclared;
 mod shader;
 mod text;
 

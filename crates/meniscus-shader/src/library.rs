@@ -1,6 +1,6 @@
 //! All modules that are known, by their paths.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -8,6 +8,7 @@ use meniscus_source::{Diagnostic, Place, Report, SourceFile};
 
 use crate::header::{Header, Name};
 use crate::lexer::Kind;
+use crate::names::slot_function;
 use crate::outline::{Item, ItemKind, Outline};
 
 /// The folder of slot files.
@@ -51,7 +52,42 @@ impl Module {
             outline: Outline::of(&file.text),
         };
         module.check_purity(report);
+        module.check_outline(report);
         module
+    }
+
+    /// What is no declaration would not reach naga, so it is told here.
+    fn check_outline(&self, report: &mut Report) {
+        for stray in &self.outline.strays {
+            let word = self.outline.tokens.iter().find(|t| t.range.start == stray.start);
+            let word = word.map_or("", |t| &self.file.text[t.range.clone()]);
+            let keywords = ["fn", "struct", "var", "const", "override", "alias", "const_assert", "enable"];
+            let place = self.place(stray.start..stray.start + word.len().max(1));
+            let wrong = Diagnostic::error(format!("`{}` holds something that is no declaration", self.path));
+            report.add(match keywords.contains(&word) {
+                true => wrong.at(&place, "the declaration that begins here is not finished"),
+                false => wrong
+                    .at(&place, "a declaration begins with a keyword")
+                    .with_suggestion(word, keywords),
+            });
+        }
+        let slot = self.path.strip_prefix(SLOTS);
+        let own = self.header.slots.iter().map(|used| &used.name);
+        for name in own.chain(self.header.slots.iter().map(|used| &used.slot)).filter(|n| !is_identifier(&n.text)) {
+            report.add(
+                Diagnostic::error(format!("`{}` is no name for a slot", name.text))
+                    .at(&name.place, "letters, digits and `_`, a letter first"),
+            );
+        }
+        if let Some(slot) = slot
+            && (!is_identifier(slot) || self.functions().next().is_none())
+        {
+            report.add(
+                Diagnostic::error(format!("`{}` is no slot", self.path))
+                    .at(&self.place(0..0), "a slot file is named by an identifier and declares functions")
+                    .with_help("only slots stand in `slots/`, directly"),
+            );
+        }
     }
 
     /// What it is.
@@ -143,6 +179,13 @@ impl Module {
             }
         }
     }
+}
+
+/// Whether a text can be a WGSL name.
+fn is_identifier(text: &str) -> bool {
+    let mut letters = text.chars();
+    letters.next().is_some_and(|c| c.is_alphabetic() || c == '_')
+        && letters.all(|c| c.is_alphanumeric() || c == '_')
 }
 
 /// Why a word makes a module impure, and what to do instead.
@@ -241,20 +284,40 @@ impl Library {
         })
     }
 
+    /// A module and all that it needs, directly or not.
+    pub(crate) fn closure<'l>(&'l self, module: &'l Module) -> Vec<&'l Module> {
+        let mut seen = BTreeSet::from([module.path.as_str()]);
+        let mut all = vec![module];
+        let mut next = 0;
+        while let Some(module) = all.get(next).copied() {
+            next += 1;
+            for need in &module.header.needs {
+                if let Some(needed) = self.get(&need.text)
+                    && seen.insert(&needed.path)
+                {
+                    all.push(needed);
+                }
+            }
+        }
+        all
+    }
+
+    pub(crate) fn cannot_be_needed(need: &Name) -> Diagnostic {
+        Diagnostic::error(format!(
+            "`{}` cannot be needed: it is a filling, a slot or a skeleton",
+            need.text
+        ))
+        .at(&need.place, "")
+        .with_help("call the slot instead (`slots: …`), or move what both use into a module of its own")
+    }
+
     fn check_names(&self, module: &Module, report: &mut Report) {
         let header = &module.header;
         for need in &header.needs {
             match self.find(&need.text, Some(&need.place)) {
                 Err(unknown) => report.add(unknown),
                 Ok(needed) if matches!(needed.role(), Role::Shared) => {}
-                Ok(_) => report.add(
-                    Diagnostic::error(format!(
-                        "`{}` cannot be needed: it is a filling, a slot or a skeleton",
-                        need.text
-                    ))
-                    .at(&need.place, "")
-                    .with_help("call the slot instead (`slots: …`), or move what both use into a module of its own"),
-                ),
+                Ok(_) => report.add(Self::cannot_be_needed(need)),
             }
         }
         let slots = header
@@ -272,6 +335,20 @@ impl Library {
         for Name { text, place } in modules.chain(header.when.iter().map(|w| &w.module)) {
             if let Err(unknown) = self.find(text, Some(place)) {
                 report.add(unknown);
+            }
+        }
+        for used in &header.slots {
+            let Some(slot) = self.slot(&used.slot.text) else { continue };
+            for function in slot.functions() {
+                let name = slot_function(slot, &function.name, &used.name.text);
+                if let Some(item) = module.item(&name) {
+                    report.add(
+                        Diagnostic::error(format!("`{}` both declares `{name}` and calls the slot of that name", module.path))
+                            .at(&used.name.place, "called")
+                            .see(&module.place(item.name_range.clone()), "declared")
+                            .with_help(format!("give the slot a name of its own: `slots: inner: {}`", used.slot.text)),
+                    );
+                }
             }
         }
         for number in &header.numbers {

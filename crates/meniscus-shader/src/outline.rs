@@ -1,5 +1,6 @@
 //! The module-scope items of a WGSL text: their names, kinds, places and signatures.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use crate::lexer::{Kind, Token, tokens};
@@ -11,6 +12,8 @@ pub(crate) struct Outline {
     pub items: Vec<Item>,
     /// `enable`, `requires` and `diagnostic` directives, which must come first in a shader.
     pub directives: Vec<Range<usize>>,
+    /// What is neither a declaration nor a directive.
+    pub strays: Vec<Range<usize>>,
 }
 
 /// One declaration.
@@ -23,6 +26,11 @@ pub(crate) struct Item {
     pub range: Range<usize>,
     /// Indices into the outline's tokens.
     pub tokens: Range<usize>,
+    /// Those of the tokens that are names of items, of locals, or of WGSL's own things: not members,
+    /// not attributes.
+    pub words: Vec<usize>,
+    /// Names that it declares within: parameters and local variables.
+    pub locals: BTreeSet<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -42,7 +50,7 @@ pub(crate) enum ItemKind {
     Constant,
     /// `alias`, with what it stands for.
     Alias(String),
-    /// `const_assert`, which has no name.
+    /// `const_assert`, which has no name but is given one.
     Assertion,
 }
 
@@ -59,6 +67,7 @@ impl Outline {
             tokens: tokens(text),
             items: Vec::new(),
             directives: Vec::new(),
+            strays: Vec::new(),
         };
         let mut start = 0;
         while start < outline.tokens.len() {
@@ -79,6 +88,7 @@ impl Outline {
         let word = |token: &Token| token.kind == Kind::Word;
         let keyword_at = skip_attributes(part);
         let Some(keyword) = part.get(keyword_at) else {
+            self.strays.push(range);
             return;
         };
         let rest = &part[keyword_at + 1..];
@@ -99,8 +109,13 @@ impl Outline {
                 let name_token = rest.first().filter(|t| word(t) && found != "const_assert");
                 let (name, name_range) = match name_token {
                     Some(token) => (text[token.range.clone()].to_owned(), token.range.clone()),
-                    None if found == "const_assert" => (String::new(), keyword.range.clone()),
-                    None => return,
+                    None if found == "const_assert" => {
+                        (format!("const_assert {}", self.items.len()), keyword.range.clone())
+                    }
+                    None => {
+                        self.strays.push(range);
+                        return;
+                    }
                 };
                 let after = rest.get(1..).unwrap_or(&[]);
                 let kind = match found {
@@ -120,7 +135,10 @@ impl Outline {
                     }
                     _ => ItemKind::Assertion,
                 };
+                let words = words(text, &self.tokens, start..end, found == "struct");
                 self.items.push(Item {
+                    locals: locals(text, &self.tokens[start..end], &kind),
+                    words,
                     kind,
                     name,
                     name_range,
@@ -128,10 +146,59 @@ impl Outline {
                     tokens: start..end,
                 });
             }
-            // No declaration: naga will say so.
-            _ => {}
+            // A lone semicolon is allowed.
+            ";" if part.len() == 1 => {}
+            _ => self.strays.push(range),
         }
     }
+}
+
+/// The tokens of an item that are names which may refer to something.
+fn words(text: &str, tokens: &[Token], range: Range<usize>, is_struct: bool) -> Vec<usize> {
+    let mut found = Vec::new();
+    let mut at = range.start;
+    while at < range.end {
+        let kind = |index: usize| tokens.get(index).filter(|_| range.contains(&index)).map(|t| t.kind);
+        if kind(at) == Some(Kind::Mark('@')) {
+            // The arguments of these are words of their own; those of others are expressions.
+            let name = tokens.get(at + 1).map_or("", |t| &text[t.range.clone()]);
+            let own = matches!(name, "builtin" | "interpolate" | "diagnostic" | "early_depth_test" | "blend_src");
+            at += 2;
+            if own && kind(at) == Some(Kind::Mark('(')) {
+                at += inside(&tokens[at..range.end], '(', ')').len() + 2;
+            }
+            continue;
+        }
+        let member = at > range.start && kind(at - 1) == Some(Kind::Mark('.'));
+        // A member's declaration, but not the type after the colon.
+        let declared = is_struct && at > range.start + 1 && kind(at + 1) == Some(Kind::Mark(':'));
+        if kind(at) == Some(Kind::Word) && !member && !declared {
+            found.push(at);
+        }
+        at += 1;
+    }
+    found
+}
+
+/// Names of parameters, and those after `let`, `var` and `const` within a body.
+fn locals(text: &str, tokens: &[Token], kind: &ItemKind) -> BTreeSet<String> {
+    let ItemKind::Function { parameters, .. } = kind else {
+        return BTreeSet::new();
+    };
+    let mut names: BTreeSet<String> = parameters.iter().map(|p| p.name.clone()).collect();
+    for (index, token) in tokens.iter().enumerate() {
+        if !matches!(&text[token.range.clone()], "let" | "var" | "const") {
+            continue;
+        }
+        let mut next = index + 1;
+        if tokens.get(next).map(|t| t.kind) == Some(Kind::Mark('<')) {
+            next += inside(&tokens[next..], '<', '>').len() + 2;
+        }
+        if let Some(name) = tokens.get(next) {
+            names.insert(text[name.range.clone()].to_owned());
+        }
+    }
+    names
 }
 
 /// The token after the item that begins at `start`: past its semicolon, or past its body.
@@ -244,6 +311,26 @@ fn declared_type(text: &str, after: &[Token]) -> String {
     }
 }
 
+/// A type with every alias in it replaced by what it stands for.
+pub(crate) fn without_aliases<'a>(ty: &str, alias: &dyn Fn(&str) -> Option<&'a str>) -> String {
+    let mut ty = ty.to_owned();
+    // Aliases cannot be recursive; if these are, naga says so.
+    for _ in 0..8 {
+        let found = tokens(&ty);
+        let replaced: String = found
+            .iter()
+            .map(|t| &ty[t.range.clone()])
+            .map(|word| alias(word).unwrap_or(word))
+            .collect();
+        let replaced = join(&replaced, &tokens(&replaced));
+        if replaced == ty || replaced.len() > 1000 {
+            break;
+        }
+        ty = replaced;
+    }
+    ty
+}
+
 /// A type as written, without white space and with WGSL's short names (`vec3f`, not `vec3<f32>`).
 fn join(text: &str, tokens: &[Token]) -> String {
     let mut joined: String = tokens.iter().map(|t| &text[t.range.clone()]).collect();
@@ -274,7 +361,7 @@ mod tests {
             fn nothing() {}\nconst_assert true;";
         let outline = Outline::of(text);
         let names: Vec<_> = outline.items.iter().map(|i| i.name.as_str()).collect();
-        assert_eq!(names, ["taps", "A", "Ray", "waves", "seen", "V", "deflect", "nothing", ""]);
+        assert_eq!(names, ["taps", "A", "Ray", "waves", "seen", "V", "deflect", "nothing", "const_assert 8"]);
         assert_eq!(outline.directives.len(), 1);
         let field = |name: &str, ty: &str| Field { name: name.into(), ty: ty.into() };
         assert_eq!(outline.items[2].kind, ItemKind::Struct(vec![field("origin", "vec3f"), field("direction", "vec3f")]));
@@ -285,6 +372,22 @@ mod tests {
         );
         assert_eq!(&text[outline.items[6].range.clone()][..9], "@must_use");
         assert!(matches!(&outline.items[7].kind, ItemKind::Function { result, .. } if result.is_empty()));
+    }
+
+    #[test]
+    fn words_are_told_from_members_and_attributes_and_strays_are_kept() {
+        let text = "@compute @workgroup_size(width) fn f(@builtin(position) p: V) { let q = p.width + width; }\n\
+            struct S { @size(width) width: width2 }\n;fnn g() {}\nfn";
+        let outline = Outline::of(text);
+        let words = |item: &Item| {
+            item.words.iter().map(|&i| &text[outline.tokens[i].range.clone()]).collect::<Vec<_>>().join(" ")
+        };
+        assert_eq!(words(&outline.items[0]), "width fn f p V let q p width");
+        assert_eq!(words(&outline.items[1]), "struct S width width2");
+        let locals: Vec<_> = outline.items[0].locals.iter().map(String::as_str).collect();
+        assert_eq!(locals, ["p", "q"]);
+        let strays: Vec<_> = outline.strays.iter().map(|r| &text[r.clone()]).collect();
+        assert_eq!(strays, ["fnn g() {}", "fn"]);
     }
 
     #[test]

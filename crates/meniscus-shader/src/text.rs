@@ -1,6 +1,6 @@
 //! Concatenation: every instance's reachable items, under names that are unique in the shader.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::fmt::Write as _;
 use std::ops::Range;
 use std::sync::Arc;
@@ -9,9 +9,11 @@ use meniscus_source::{Diagnostic, Place, Report, SourceFile};
 
 use crate::entry;
 use crate::instance::{Instance, Instances, variables};
-use crate::lexer::{Kind, tokens};
-use crate::library::Module;
+use crate::lexer::tokens;
+use crate::library::{Module, Role};
+use crate::names::{Names, name_all};
 use crate::outline::{Item, ItemKind};
+use crate::predeclared::is_predeclared;
 
 /// A composed text, and where each part of it came from.
 #[derive(Debug, Default)]
@@ -54,7 +56,13 @@ impl Source {
     /// Where a range of the composed text was written.
     pub fn origin(&self, range: Range<usize>) -> Option<Place> {
         let index = self.segments.partition_point(|s| s.range.end <= range.start);
-        let first = self.segments.get(index).filter(|s| s.range.start <= range.start)?;
+        let Some(first) = self.segments.get(index).filter(|s| s.range.start <= range.start) else {
+            // Right behind a part, where something is missing, the part's end is meant.
+            let before = self.segments.get(index.checked_sub(1)?)?;
+            let gap = self.text.get(before.range.end..range.start)?;
+            let end = before.place.range.end;
+            return gap.trim().is_empty().then(|| Place::new(&before.place.file, end..end));
+        };
         let start = match first.exact {
             true => first.place.range.start + (range.start - first.range.start),
             false => first.place.range.start,
@@ -87,36 +95,59 @@ pub(crate) struct Written {
     pub outputs: Vec<String>,
     /// The modules in the shader, and where a pipeline asked for them.
     pub modules: Vec<(String, Option<Place>)>,
+    /// Where the skeleton says what it is: for what only shows in the entry points.
+    pub skeleton: Option<Place>,
 }
 
-/// The names of one instance: what it writes → what stands in the shader.
-type Names = HashMap<String, String>;
-
+/// Writes what the entry points reach.
+///
+/// # Errors
+/// When two modules declare one name, or one uses a name without needing who declares it.
 pub(crate) fn write(instances: &Instances, entry: entry::Written) -> Result<Written, Report> {
+    let reached_first = tokens(&entry.text).into_iter().map(|t| entry.text[t.range].to_owned()).collect();
+    let mut written = concatenate(instances, Some(reached_first))?;
+    let _ = write!(written.source.text, "// ---- entry points\n{}", entry.text);
+    written.entry = entry.entry;
+    written.attributes = entry.attributes;
+    written.outputs = entry.outputs;
+    Ok(written)
+}
+
+/// Writes the last instance with all that it declares, reached or not, and no entry points.
+///
+/// # Errors
+/// As [`write`].
+pub(crate) fn write_module(instances: &Instances) -> Result<Written, Report> {
+    concatenate(instances, None)
+}
+
+/// Writes what is reached from the open names, or from all of the last instance's.
+fn concatenate(instances: &Instances, open: Option<Vec<String>>) -> Result<Written, Report> {
     let names = name_all(instances);
     let mut report = Report::default();
     let all = collect(instances, &names, &mut report);
-    let reached = reach(&all, &entry.text);
     report.into_result(())?;
+    let last = || all.last().into_iter().flat_map(|part| part.items.iter().map(|(name, _)| name.clone())).collect();
+    let reached = reach(&all, open.unwrap_or_else(last));
 
     let mut source = Source::default();
-    for item in all.iter().flat_map(|part| &part.directives) {
-        if !source.text.contains(&item.file.text[item.range.clone()]) {
-            source.copy(&item.file, item.range.clone());
-            source.text.push('\n');
+    let mut directives = BTreeSet::new();
+    for part in all.iter().filter(|part| part.items.iter().any(|(name, _)| reached.contains(name))) {
+        for place in &part.directives {
+            if directives.insert(place.text().split_whitespace().collect::<String>()) {
+                source.copy(&place.file, place.range.clone());
+                source.text.push('\n');
+            }
         }
     }
     let mut written = BTreeSet::new();
     for (index, part) in all.iter().enumerate() {
         let instance = &instances.all[index];
+        // Several instances may share an item, and several modules a resource.
         let wanted: Vec<_> = part
             .items
             .iter()
-            .filter(|(name, _)| reached.contains(name.as_str()))
-            .filter(|(name, item)| {
-                // The same resource may be declared by several modules.
-                !matches!(item.kind, ItemKind::Variable { .. }) || written.insert(name.clone())
-            })
+            .filter(|(name, _)| reached.contains(name) && written.insert(name.clone()))
             .collect();
         if wanted.is_empty() {
             continue;
@@ -131,7 +162,6 @@ pub(crate) fn write(instances: &Instances, entry: entry::Written) -> Result<Writ
             source.text.push_str("\n\n");
         }
     }
-    let _ = write!(source.text, "// ---- entry points\n{}", entry.text);
 
     // The entry points' own variables are connected like everything that is shared.
     let mut resources = instances.reads.clone();
@@ -139,7 +169,8 @@ pub(crate) fn write(instances: &Instances, entry: entry::Written) -> Result<Writ
     let mut originals = BTreeMap::new();
     for (instance, names) in instances.all.iter().zip(&names) {
         for name in variables(instance.module) {
-            let resource = instance.reads.get(name).map_or(name, String::as_str);
+            let shared = instances.reads.get(name).map_or(name, String::as_str);
+            let resource = instance.reads.get(name).map_or(shared, String::as_str);
             resources.insert(names[name].clone(), resource.to_owned());
         }
         for number in instance.module.overrides() {
@@ -150,96 +181,35 @@ pub(crate) fn write(instances: &Instances, entry: entry::Written) -> Result<Writ
             overrides.insert(path, names[&number.name].clone());
         }
         for (original, name) in names.iter().filter(|(a, b)| a != b) {
-            originals.entry(name.clone()).or_insert_with(|| original.clone());
+            let known = originals.entry(name.clone()).or_insert_with(|| original.clone());
+            // Several callers may have names of their own for it: take the same one every time.
+            if original < known {
+                known.clone_from(original);
+            }
         }
     }
+    let skeleton = instances.all.last().map(|instance| {
+        let header = &instance.module.header;
+        match &header.skeleton {
+            Some(kind) => kind.place.clone(),
+            None => instance.module.place(0..0),
+        }
+    });
     Ok(Written {
         source,
         resources,
         overrides,
         originals,
-        entry: entry.entry,
-        attributes: entry.attributes,
-        outputs: entry.outputs,
+        entry: crate::shader::Entry::Compute { name: String::new(), workgroup: [1; 3] },
+        attributes: Vec::new(),
+        outputs: Vec::new(),
         modules: instances
             .all
             .iter()
             .map(|i| (i.module.path.clone(), i.place.clone()))
             .collect(),
+        skeleton,
     })
-}
-
-/// The name of a slot's function for who calls the slot by `own`: the slot's main function has the
-/// caller's name for the slot, the others have it in front.
-fn slot_function(slot: &Module, function: &str, own: &str) -> String {
-    if function == slot.leaf() {
-        own.to_owned()
-    } else if own == slot.leaf() {
-        function.to_owned()
-    } else {
-        format!("{own}_{function}")
-    }
-}
-
-/// Names for everything that every instance writes.
-fn name_all(instances: &Instances) -> Vec<Names> {
-    let mut copies: HashMap<&str, usize> = HashMap::new();
-    let mut all: Vec<Names> = Vec::new();
-    for instance in &instances.all {
-        let copy = copies.entry(&instance.module.path).or_default();
-        *copy += 1;
-        let mut names = Names::new();
-        // What is needed comes first: an instance's own names hide it.
-        for &needed in &instance.needs {
-            names.extend(all[needed].iter().map(|(k, v)| (k.clone(), v.clone())));
-        }
-        for item in &instance.module.outline.items {
-            let name = own_name(instance, item, *copy, &instances.reads);
-            names.insert(item.name.clone(), name);
-        }
-        for (used, filling) in &instance.slots {
-            let filled = &instances.all[*filling];
-            let Some(slot) = filled.slot else { continue };
-            for function in slot.functions() {
-                names.insert(
-                    slot_function(slot, &function.name, &used.name.text),
-                    all[*filling][&function.name].clone(),
-                );
-            }
-        }
-        all.push(names);
-    }
-    all
-}
-
-/// The name of an item of an instance, `copy` counting the instances of its module from 1.
-///
-/// A variable keeps its name unless this instance is connected otherwise than the whole shader.
-fn own_name(
-    instance: &Instance,
-    item: &Item,
-    copy: usize,
-    shared: &BTreeMap<String, String>,
-) -> String {
-    let role = instance.role.join("_");
-    let name = &item.name;
-    match (&item.kind, instance.slot) {
-        (ItemKind::Function { .. }, Some(slot)) if slot.item(name).is_some() => {
-            slot_function(slot, name, &role)
-        }
-        (ItemKind::Variable { .. }, _) => match instance.reads.get(name) {
-            Some(resource) if shared.get(name) != Some(resource) => format!("{name}_from_{}", identifier(resource)),
-            _ => name.clone(),
-        },
-        (ItemKind::Override { .. }, _) if !role.is_empty() => format!("{role}_{name}"),
-        _ if copy > 1 => format!("{name}_{copy}"),
-        _ => name.clone(),
-    }
-}
-
-/// A resource's name as a part of an identifier.
-fn identifier(name: &str) -> String {
-    name.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect()
 }
 
 /// An instance's items under their names in the shader.
@@ -264,8 +234,10 @@ fn collect<'l>(instances: &Instances<'l>, names: &[Names], report: &mut Report) 
             let name = names[&item.name].clone();
             match declared.get(&name) {
                 Some((other, first)) => {
-                    let same = matches!(item.kind, ItemKind::Variable { .. }) && item.kind == first.kind;
-                    if !same {
+                    let shared = matches!(item.kind, ItemKind::Variable { .. }) && item.kind == first.kind;
+                    // Items of one module that have one name are the same, unless it has two.
+                    let same = other.path == module.path && item.range == first.range;
+                    if !shared && !same {
                         report.add(redefinition(module, item, other, first));
                     }
                 }
@@ -273,21 +245,66 @@ fn collect<'l>(instances: &Instances<'l>, names: &[Names], report: &mut Report) 
                     declared.insert(name.clone(), (module, item));
                 }
             }
-            let mentions = module.outline.tokens[item.tokens.clone()]
+            let mentions = item
+                .words
                 .iter()
-                .filter(|token| token.kind == Kind::Word)
-                .map(|token| &module.file.text[token.range.clone()])
+                .map(|&index| &module.file.text[module.outline.tokens[index].range.clone()])
                 .map(|word| names.get(word).map_or(word, String::as_str).to_owned());
             part.mentions.push(mentions.collect());
             part.items.push((name, item));
         }
         all.push(part);
     }
+    let mut seen = BTreeSet::new();
+    for (instance, names) in instances.all.iter().zip(names) {
+        if seen.insert(&instance.module.path) {
+            check_needs(instance, names, &declared, report);
+        }
+    }
     all
+}
+
+/// A word that only another module's items are called by: naga would accept it as long as that
+/// module happens to be in the shader.
+fn check_needs(
+    instance: &Instance,
+    names: &Names,
+    declared: &HashMap<String, (&Module, &Item)>,
+    report: &mut Report,
+) {
+    let module = instance.module;
+    for item in &module.outline.items {
+        for &index in &item.words {
+            let range = module.outline.tokens[index].range.clone();
+            let word = &module.file.text[range.clone()];
+            if names.contains_key(word) || item.locals.contains(word) || is_predeclared(word) {
+                continue;
+            }
+            let Some((owner, _)) = declared.get(word).filter(|(owner, _)| owner.path != module.path) else {
+                continue;
+            };
+            let wrong = Diagnostic::error(format!("`{}` uses `{word}` without saying so", module.path))
+                .at(&module.place(range), format!("declared by `{}`", owner.path));
+            report.add(match owner.role() {
+                Role::Shared => wrong.with_help(format!(
+                    "add `{}` to `// needs: …` in {}",
+                    owner.path, module.file.name
+                )),
+                _ => wrong.with_help(format!(
+                    "call it by a slot (`// slots: …`), or move `{word}` into a module that both need"
+                )),
+            });
+        }
+    }
 }
 
 fn redefinition(module: &Module, item: &Item, other: &Module, first: &Item) -> Diagnostic {
     let what = match item.kind {
+        _ if module.path == other.path => {
+            return Diagnostic::error(format!("`{}` declares `{}` twice", module.path, item.name))
+                .at(&module.place(item.name_range.clone()), "declared here")
+                .see(&other.place(first.name_range.clone()), "and here");
+        }
         ItemKind::Variable { .. } => "differently declare the resource",
         _ => "both declare",
     };
@@ -303,25 +320,23 @@ fn redefinition(module: &Module, item: &Item, other: &Module, first: &Item) -> D
     }
 }
 
-/// The names that the entry points reach.
-fn reach<'p>(all: &'p [Part], entry: &'p str) -> BTreeSet<&'p str> {
+/// The names that are reached from the open ones.
+fn reach(all: &[Part], mut open: Vec<String>) -> HashSet<String> {
     let mut mentions: HashMap<&str, &[String]> = HashMap::new();
-    let mut open: Vec<&str> = Vec::new();
     for part in all {
         for ((name, item), mentioned) in part.items.iter().zip(&part.mentions) {
-            mentions.insert(name, mentioned);
+            mentions.entry(name).or_insert(mentioned);
             if item.kind == ItemKind::Assertion {
-                open.push(name);
+                open.push(name.clone());
             }
         }
     }
-    open.extend(tokens(entry).into_iter().map(|t| &entry[t.range]));
-    let mut reached = BTreeSet::new();
+    let mut reached = HashSet::new();
     while let Some(name) = open.pop() {
-        if let Some(mentioned) = mentions.get(name)
+        if let Some(mentioned) = mentions.get(name.as_str())
             && reached.insert(name)
         {
-            open.extend(mentioned.iter().map(String::as_str));
+            open.extend(mentioned.iter().cloned());
         }
     }
     reached
@@ -331,25 +346,13 @@ fn reach<'p>(all: &'p [Part], entry: &'p str) -> BTreeSet<&'p str> {
 fn copy_item(source: &mut Source, module: &Module, item: &Item, names: &Names) {
     let file = &module.file;
     let mut at = comment_start(module, item.range.start);
-    let tokens = &module.outline.tokens[item.tokens.clone()];
-    let is_struct = matches!(item.kind, ItemKind::Struct(_));
-    for (index, token) in tokens.iter().enumerate() {
-        if token.kind != Kind::Word {
-            continue;
-        }
-        let mark = |at: Option<usize>| at.and_then(|i| tokens.get(i)).map(|t| t.kind);
-        let member = mark(index.checked_sub(1)) == Some(Kind::Mark('.'))
-            || mark(index.checked_sub(1)) == Some(Kind::Mark('@'))
-            // A member's declaration, but not the type after the colon.
-            || (is_struct && index > 1 && mark(Some(index + 1)) == Some(Kind::Mark(':')));
-        let word = &file.text[token.range.clone()];
-        match names.get(word).filter(|name| !member && *name != word) {
-            Some(name) => {
-                source.copy(file, at..token.range.start);
-                source.rename(file, token.range.clone(), name);
-                at = token.range.end;
-            }
-            None => continue,
+    for &index in &item.words {
+        let range = module.outline.tokens[index].range.clone();
+        let word = &file.text[range.clone()];
+        if let Some(name) = names.get(word).filter(|name| *name != word) {
+            source.copy(file, at..range.start);
+            source.rename(file, range.clone(), name);
+            at = range.end;
         }
     }
     source.copy(file, at..item.range.end);

@@ -20,11 +20,15 @@ pub struct SourceFile {
 }
 
 impl SourceFile {
-    /// A text that is at hand already.
+    /// A text that is at hand already. A byte-order mark at its start is dropped.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Arc<Self> {
+        let mut text = text.into();
+        if text.starts_with('\u{feff}') {
+            text.drain(..'\u{feff}'.len_utf8());
+        }
         Arc::new(Self {
             name: name.into(),
-            text: text.into(),
+            text,
         })
     }
 

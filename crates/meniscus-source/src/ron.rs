@@ -1,6 +1,7 @@
 //! RON with places: every value that may later turn out wrong remembers where it was written.
 
 use std::cell::RefCell;
+use std::collections::HashSet;
 use std::fmt;
 use std::ops::{Deref, Range};
 use std::sync::Arc;
@@ -115,8 +116,9 @@ impl<'de, V: Deserialize<'de>> Deserialize<'de> for Entries<V> {
             }
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
                 let mut entries = Entries::<V>::default();
+                let mut known = HashSet::new();
                 while let Some((key, value)) = map.next_entry::<Spanned<String>, V>()? {
-                    if entries.get(&key.value).is_some() {
+                    if !known.insert(key.value.clone()) {
                         return Err(fault(&key, format!("`{}` stands here twice", key.value)));
                     }
                     entries.0.push((key, value));

@@ -1,0 +1,227 @@
+//! What is asked of a filling: that it provides its slot, and that what it sets is there to be set.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use meniscus_source::{Diagnostic, Place, Report};
+
+use crate::filling::Filling;
+use crate::instance::{Resolver, variables};
+use crate::library::Module;
+use crate::outline::{self, Item, ItemKind};
+
+impl<'l> Resolver<'l, '_> {
+    /// A filling provides its slot, with the slot's functions.
+    pub fn check_contract(
+        &mut self,
+        module: &Module,
+        slot: &Module,
+        place: Option<&Place>,
+    ) -> Option<()> {
+        let asked = |diagnostic: Diagnostic| match place {
+            Some(place) => diagnostic.see(place, "asked for here"),
+            None => diagnostic,
+        };
+        if module.path == slot.path {
+            return Some(());
+        }
+        let Some(provides) = &module.header.provides else {
+            let mut wrong = Diagnostic::error(format!("`{}` fills no slot", module.path));
+            if let Some(place) = place {
+                wrong = wrong.at(place, format!("a filling of `{}` is wanted", slot.leaf()));
+            }
+            self.report.add(wrong.with_help(format!(
+                "add the line `// provides: {}` to {} if it does",
+                slot.leaf(),
+                module.file.name
+            )));
+            return None;
+        };
+        if provides.text != slot.leaf() {
+            self.report.add(asked(
+                Diagnostic::error(format!(
+                    "`{}` fills the slot `{}`, not `{}`",
+                    module.path,
+                    provides.text,
+                    slot.leaf()
+                ))
+                .at(&provides.place, format!("provides `{}`", provides.text)),
+            ));
+            return None;
+        }
+        let mut kept = true;
+        for wanted in slot.functions() {
+            let there = module.item(&wanted.name);
+            let wrong = match there {
+                Some(item) if self.types(module, item) == self.types(slot, wanted) => continue,
+                Some(item) => Diagnostic::error(format!(
+                    "`{}` has not the signature of the slot `{}`",
+                    module.path,
+                    slot.leaf()
+                ))
+                .at(&module.place(signature(module, item)), "this signature")
+                .with_help(format!("write `{}`", one_line(&slot.file.text[signature(slot, wanted)]))),
+                None => Diagnostic::error(format!(
+                    "`{}` provides `{}` but has no function `{}`",
+                    module.path,
+                    slot.leaf(),
+                    wanted.name
+                ))
+                .at(&provides.place, format!("`{}` is missing", wanted.name)),
+            };
+            kept = false;
+            self.report.add(asked(
+                wrong.see(&slot.place(signature(slot, wanted)), "the slot's signature"),
+            ));
+        }
+        kept.then_some(())
+    }
+
+    /// The types of a function's parameters and result, aliases resolved.
+    fn types(&self, module: &Module, item: &Item) -> Option<(Vec<String>, String)> {
+        let ItemKind::Function { parameters, result } = &item.kind else {
+            return None;
+        };
+        let closure = self.library.closure(module);
+        let alias = |name: &str| {
+            closure.iter().find_map(|module| match &module.item(name)?.kind {
+                ItemKind::Alias(ty) => Some(ty.as_str()),
+                _ => None,
+            })
+        };
+        let plain = |ty: &str| outline::without_aliases(ty, &alias);
+        Some((parameters.iter().map(|p| plain(&p.ty)).collect(), plain(result)))
+    }
+
+    pub fn check_numbers(&mut self, module: &Module, filling: &Filling) {
+        for (name, value) in &filling.numbers {
+            let report = |report: &mut Report, diagnostic: Diagnostic, words: &str| {
+                report.add(match &value.place {
+                    Some(place) => diagnostic.at(place, words),
+                    None => diagnostic,
+                });
+            };
+            if !module.overrides().any(|item| item.name == *name) {
+                let known = module.overrides().map(|item| item.name.as_str());
+                let unknown = Diagnostic::error(format!("`{}` has no number `{name}`", module.path))
+                    .with_suggestion(name, known);
+                report(&mut self.report, unknown, "unknown number");
+                continue;
+            }
+            let number = module.header.number(name);
+            let ty = match module.item(name).map(|item| &item.kind) {
+                Some(ItemKind::Override { ty }) => ty.as_str(),
+                _ => "",
+            };
+            let (low, high) = range_of_type(ty);
+            let least = number.map_or(low, |n| n.least.max(low));
+            let most = number.map_or(high, |n| n.most.min(high));
+            if !(least..=most).contains(&value.value) {
+                let unit = number.filter(|n| !n.unit.is_empty()).map_or(String::new(), |n| format!(" {}", n.unit));
+                let wrong = Diagnostic::error(format!(
+                    "`{name}` of `{}` goes from {least} to {most}{unit}",
+                    module.path
+                ));
+                report(&mut self.report, wrong, &format!("{} is outside", value.value));
+            } else if matches!(ty, "i32" | "u32") && value.value.fract() != 0.0 {
+                let wrong = Diagnostic::error(format!("`{name}` of `{}` is a whole number", module.path));
+                report(&mut self.report, wrong, &format!("{} is none", value.value));
+            }
+        }
+    }
+
+    /// What is filled must be a slot: of the module, or one that something within may ask for.
+    pub fn check_fillings(&mut self, fillings: &BTreeMap<String, Filling>, module: Option<&Module>) {
+        for (name, filling) in fillings {
+            let own = module.is_some_and(|m| m.header.slots.iter().any(|s| s.name.text == *name));
+            if !own && self.library.slot(name).is_none() {
+                let mut unknown = self.library.unknown_slot(name, filling.slot_place.as_ref());
+                if let Some(module) = module {
+                    let own: Vec<_> =
+                        module.header.slots.iter().map(|s| format!("`{}`", s.name.text)).collect();
+                    if !own.is_empty() {
+                        unknown = unknown
+                            .with_help(format!("`{}` has {}", module.path, own.join(", ")));
+                    }
+                }
+                self.report.add(unknown);
+            }
+        }
+    }
+
+    /// `reads` must name variables that the module or its needs declare.
+    pub fn check_reads(&mut self, module: &Module, filling: &Filling) {
+        if filling.reads.is_empty() {
+            return;
+        }
+        let closure = self.library.closure(module);
+        let known: BTreeSet<&str> = closure.iter().flat_map(|module| variables(module)).collect();
+        for (name, resource) in &filling.reads {
+            // What has no place was not written by anyone; slots may lead to any variable.
+            if !known.contains(name.as_str()) && resource.place.is_some() && module.header.slots.is_empty() {
+                let mut unknown =
+                    Diagnostic::error(format!("`{}` reads no `{name}`", module.path));
+                if let Some(place) = &resource.place {
+                    unknown = unknown.at(place, "connected to nothing");
+                }
+                self.report
+                    .add(unknown.with_suggestion(name, known.iter().copied()));
+            }
+        }
+    }
+
+    pub fn check_requirements(&mut self, instance: usize, scope: usize) {
+        let module = self.instances[instance].module;
+        for required in &module.header.requires {
+            let mut next = Some(scope);
+            let mut found = None;
+            while let (Some(current), None) = (next, &found) {
+                found = self.scopes[current]
+                    .fillings
+                    .get(&required.slot.text)
+                    .map(|filling| filling.module.value.clone());
+                next = self.scopes[current].parent;
+            }
+            let found = found.or_else(|| {
+                let slot = self.library.slot(&required.slot.text)?;
+                Some(self.default_module(slot)?.0.path.clone())
+            });
+            if found.as_deref() != Some(required.module.text.as_str()) {
+                let mut wrong = Diagnostic::error(format!(
+                    "`{}` is valid only with `{}` in the slot `{}`",
+                    module.path, required.module.text, required.slot.text
+                ))
+                .see(&required.slot.place, "required here");
+                if let Some(place) = &self.instances[instance].place {
+                    let there = found.map_or_else(String::new, |path| format!("`{path}` fills `{}`", required.slot.text));
+                    wrong = wrong.at(place, there);
+                }
+                self.report.add(wrong.with_help(format!(
+                    "fill `{}` with `{}`, or take another module here",
+                    required.slot.text, required.module.text
+                )));
+            }
+        }
+    }
+}
+
+/// From `fn` to the end of the result's type.
+fn signature(module: &Module, item: &crate::outline::Item) -> std::ops::Range<usize> {
+    let text = &module.file.text[item.range.clone()];
+    let end = text.find('{').unwrap_or(text.len());
+    item.range.start..item.range.start + text[..end].trim_end().len()
+}
+
+/// A text on one line.
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// The values that a number of a type can have.
+fn range_of_type(ty: &str) -> (f64, f64) {
+    match ty {
+        "bool" => (0.0, 1.0),
+        "i32" => (f64::from(i32::MIN), f64::from(i32::MAX)),
+        "u32" => (0.0, f64::from(u32::MAX)),
+        _ => (f64::from(f32::MIN), f64::from(f32::MAX)),
+    }
+}

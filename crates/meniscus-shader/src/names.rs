@@ -1,0 +1,208 @@
+//! Names that are unique in a shader.
+//!
+//! An item keeps its written name where it can. It gets another one when it fills a slot (the
+//! caller's name for the slot), when it is a number of a filling (the filling's role before it),
+//! when it is connected to another resource than the whole shader's variable of its name, when
+//! WGSL itself declares its name, and when another instance of its module has an item of that name
+//! that is not the same.
+
+use std::collections::{HashMap, HashSet};
+
+use crate::instance::{Instance, Instances};
+use crate::library::Module;
+use crate::outline::{Item, ItemKind};
+use crate::predeclared::{is_entry, is_predeclared};
+
+/// The names of one instance: what it writes → what stands in the shader.
+pub(crate) type Names = HashMap<String, String>;
+
+/// The name of a slot's function for who calls the slot by `own`: the slot's main function has the
+/// caller's name for the slot, the others have it in front.
+pub(crate) fn slot_function(slot: &Module, function: &str, own: &str) -> String {
+    if function == slot.leaf() {
+        own.to_owned()
+    } else if own == slot.leaf() {
+        function.to_owned()
+    } else {
+        format!("{own}_{function}")
+    }
+}
+
+/// Names for everything that every instance writes.
+pub(crate) fn name_all(instances: &Instances) -> Vec<Names> {
+    let mut namer = Namer {
+        taken: words(instances),
+        connected: HashMap::new(),
+    };
+    let mut copies: HashMap<&str, Vec<usize>> = HashMap::new();
+    let mut all: Vec<Names> = Vec::new();
+    for (index, instance) in instances.all.iter().enumerate() {
+        let others = copies.entry(&instance.module.path).or_default();
+        let names = namer.instance(instances, instance, &all, others);
+        others.push(index);
+        all.push(names);
+    }
+    all
+}
+
+/// All words of all modules but the names by which they call slots: no name that is made up may be
+/// one of them, lest a local variable hide it.
+fn words(instances: &Instances) -> HashSet<String> {
+    let mut found = HashSet::new();
+    let mut seen = HashSet::new();
+    for instance in &instances.all {
+        if !seen.insert(&instance.module.path) {
+            continue;
+        }
+        let called: HashSet<String> = slot_functions(instances, instance).map(|(own, ..)| own).collect();
+        let outline = &instance.module.outline;
+        let text = &instance.module.file.text;
+        for &word in outline.items.iter().flat_map(|item| &item.words) {
+            let word = &text[outline.tokens[word].range.clone()];
+            if !called.contains(word) {
+                found.insert(word.to_owned());
+            }
+        }
+    }
+    found
+}
+
+/// What an instance calls of its slots: its name for it, the filling, and the filling's own name.
+fn slot_functions<'i>(
+    instances: &'i Instances,
+    instance: &'i Instance,
+) -> impl Iterator<Item = (String, usize, &'i str)> {
+    instance.slots.iter().flat_map(|(used, filling)| {
+        let slot = instances.all[*filling].slot;
+        slot.into_iter().flat_map(|slot| {
+            slot.functions()
+                .map(|f| (slot_function(slot, &f.name, &used.name.text), *filling, f.name.as_str()))
+        })
+    })
+}
+
+struct Namer {
+    taken: HashSet<String>,
+    /// Names of variables by what was written and what they are connected to.
+    connected: HashMap<(String, String), String>,
+}
+
+impl Namer {
+    fn instance(&mut self, instances: &Instances, instance: &Instance, all: &[Names], others: &[usize]) -> Names {
+        let mut imported = Names::new();
+        for &needed in &instance.needs {
+            imported.extend(all[needed].iter().map(|(k, v)| (k.clone(), v.clone())));
+        }
+        let called: Vec<(String, String)> = slot_functions(instances, instance)
+            .filter_map(|(own, filling, function)| Some((own, all[filling].get(function)?.clone())))
+            .collect();
+        let mut names = imported;
+        // An instance's own items hide what is needed, and its slots both.
+        for item in &instance.module.outline.items {
+            names.remove(&item.name);
+        }
+        names.extend(called);
+        let items = &instance.module.outline.items;
+        let mut own: HashMap<&str, String> = HashMap::new();
+        for item in items {
+            if let Some(name) = self.own_name(instance, item, &instances.reads) {
+                own.insert(&item.name, name);
+            }
+        }
+        for &other in others {
+            let same = same_items(instance, &all[other], &names, &own);
+            for item in items {
+                if same.contains(item.name.as_str()) && !own.contains_key(item.name.as_str()) {
+                    own.insert(&item.name, all[other][&item.name].clone());
+                }
+            }
+        }
+        for item in items {
+            own.entry(&item.name).or_insert_with(|| match others.len() {
+                0 if !is_predeclared(&item.name) && !is_entry(&item.name) => item.name.clone(),
+                0 => self.fresh(&format!("{}_", item.name)),
+                copies => self.fresh(&format!("{}_{}", item.name, copies + 1)),
+            });
+        }
+        names.extend(own.into_iter().map(|(written, name)| (written.to_owned(), name)));
+        names
+    }
+
+    /// The name of an item that does not depend on other instances of its module.
+    fn own_name(&mut self, instance: &Instance, item: &Item, shared: &std::collections::BTreeMap<String, String>) -> Option<String> {
+        let role = instance.role.join("_");
+        let name = &item.name;
+        match (&item.kind, instance.slot) {
+            (ItemKind::Function { .. }, Some(slot)) if slot.item(name).is_some() => {
+                let wanted = slot_function(slot, name, &role);
+                Some(if wanted == *name && !is_predeclared(name) { wanted } else { self.fresh(&wanted) })
+            }
+            (ItemKind::Variable { .. }, _) => {
+                let resource = instance.reads.get(name);
+                if resource.is_none() && !is_predeclared(name) {
+                    return Some(name.clone());
+                }
+                let resource = resource.or(shared.get(name)).unwrap_or(name).clone();
+                let key = (name.clone(), resource);
+                if let Some(known) = self.connected.get(&key) {
+                    return Some(known.clone());
+                }
+                let made = self.fresh(&format!("{name}_from_{}", identifier(&key.1)));
+                self.connected.insert(key, made.clone());
+                Some(made)
+            }
+            (ItemKind::Override { .. }, _) if !role.is_empty() => Some(self.fresh(&format!("{role}_{name}"))),
+            (ItemKind::Assertion, _) => Some(format!("{} {name}", instance.module.path)),
+            _ => None,
+        }
+    }
+
+    /// A name that nothing else has.
+    fn fresh(&mut self, wanted: &str) -> String {
+        let mut name = wanted.to_owned();
+        let mut number = 2;
+        while is_predeclared(&name) || is_entry(&name) || self.taken.contains(&name) {
+            name = format!("{wanted}_{number}");
+            number += 1;
+        }
+        self.taken.insert(name.clone());
+        name
+    }
+}
+
+/// The items of an instance that mean the same as in another instance of its module: every word in
+/// them stands for the same.
+fn same_items<'i>(
+    instance: &'i Instance,
+    other: &Names,
+    imported: &Names,
+    own: &HashMap<&str, String>,
+) -> HashSet<&'i str> {
+    let outline = &instance.module.outline;
+    let text = &instance.module.file.text;
+    let mut same: HashSet<&str> = outline.items.iter().map(|item| item.name.as_str()).collect();
+    loop {
+        let before = same.len();
+        for item in &outline.items {
+            let differs = |index: &usize| {
+                let word = &text[outline.tokens[*index].range.clone()];
+                match (own.get(word), instance.module.item(word)) {
+                    (Some(name), _) => other.get(word) != Some(name),
+                    (None, Some(_)) => !same.contains(word),
+                    (None, None) => other.get(word) != imported.get(word),
+                }
+            };
+            if same.contains(item.name.as_str()) && item.words.iter().any(differs) {
+                same.remove(item.name.as_str());
+            }
+        }
+        if same.len() == before {
+            return same;
+        }
+    }
+}
+
+/// A resource's name as a part of an identifier.
+fn identifier(name: &str) -> String {
+    name.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect()
+}
