@@ -21,8 +21,7 @@ fn screen(pixel: vec2f) -> Redirected {
     let ray = view_ray(view_target, pixel);
     let depth = textureLoad(front_depth, vec2i(pixel), 0);
     let met = meet(ray);
-    // Depth is reversed: nearer is larger.
-    let wet = met.found && depth * dot(met.point - view_target.eye, view_target.forward) < view_target.near;
+    let wet = met.found && view_is_nearer(view_target, met.point, depth);
     if !wet {
         let nothing = Hit(vec3f(0.0), vec3f(0.0), vec3f(0.0), -1.0, pixel, 0.0, false);
         return Redirected(ray, nothing, false, depth == 0.0);

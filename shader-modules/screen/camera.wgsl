@@ -45,3 +45,9 @@ fn view_pixel(view: View, point: vec3f) -> vec3f {
     let centred = vec2f(dot(offset, view.right), -dot(offset, view.up)) * scale;
     return vec3f(0.5 * view.size + centred, depth);
 }
+
+// Whether a point stands before what a depth buffer holds at its pixel. The near plane is divided
+// by, not compared with: Mesa 22.3's software driver crashes on `a && b < uniform`.
+fn view_is_nearer(view: View, point: vec3f, depth: f32) -> bool {
+    return depth * dot(point - view.eye, view.forward) / view.near < 1.0;
+}

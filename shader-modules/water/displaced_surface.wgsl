@@ -10,45 +10,30 @@
 override march_steps: i32 = 32;
 
 fn meet(ray: Ray) -> Meeting {
-    let none = Meeting(vec3f(0.0), vec3f(0.0, 0.0, 1.0), false);
     // Heights are counted from the water towards the camera's side, so that one case is left.
     let side = water.camera_side;
     let height = side * (ray.origin.z - water.level);
     let fall = -side * ray.direction.z;
-    let along = length(ray.direction.xy);
-    let quickest = fall + water.slope_bound * along;
-    if !(quickest > 1e-9) {
-        return none;
-    }
-    // No water is above its bound.
-    var t = max((height - water.height_bound) / max(fall, 1e-9), 0.0);
-    if fall <= 0.0 && height > water.height_bound {
-        return none;
-    }
-    let farthest = select(1e9, (height + water.height_bound) / max(fall, 1e-9), fall > 0.0);
-    var shape = Shape(0.0, vec2f(0.0));
-    var gap = 0.0;
-    for (var i = 0; i < march_steps; i++) {
+    // The quickest that the ray and the waves can come together.
+    let quickest = max(fall + water.slope_bound * length(ray.direction.xy), 1e-9);
+    // No water is above its bound: where the ray enters, and leaves, the waves' band.
+    let enters = max((height - water.height_bound) / max(fall, 1e-9), 0.0);
+    let leaves = select(1e9, (height + water.height_bound) / max(fall, 1e-9), fall > 0.0);
+    var t = select(0.0, enters, height > water.height_bound);
+    var gap = 1e9;
+    for (var i = 0; i < march_steps && gap > 1e-4 * t && t <= leaves; i++) {
         let at = ray.origin + t * ray.direction;
         gap = side * (at.z - water.level - surface(at.xy).height);
-        if gap <= 1e-3 * water.height_bound {
-            break;
-        }
-        t = t + gap / quickest;
-        if t > farthest {
-            break;
-        }
+        t += max(gap, 0.0) / quickest;
     }
     for (var i = 0; i < 3; i++) {
         let at = ray.origin + t * ray.direction;
-        shape = surface(at.xy);
+        let shape = surface(at.xy);
         gap = side * (at.z - water.level - shape.height);
         let rate = fall + side * dot(shape.gradient, ray.direction.xy);
         t = max(t + gap / select(quickest, rate, rate > 0.05 * quickest), 0.0);
     }
-    if !(t < 1e9) || abs(gap) > 0.1 * water.height_bound + 1e-4 * t {
-        return none;
-    }
     let point = ray.origin + t * ray.direction;
-    return Meeting(point, shape_normal(surface(point.xy)), true);
+    // The ray passed over the waves where it is not close to them in the end.
+    return Meeting(point, shape_normal(surface(point.xy)), abs(gap) < 1e-4 * t + 1e-5 && t < 1e9);
 }

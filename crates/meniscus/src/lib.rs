@@ -1,1 +1,33 @@
-//! x
+//! meniscus: shader pipelines put together by configuration, and refraction that is both fast and
+//! right.
+//!
+//! A [`Project`] holds modules, pipelines and scenes, the built-in ones and those of directories.
+//! [`Picture`] renders one pipeline, an [`Ablation`] several, beside ray-traced truth. The parts are
+//! crates of their own and re-exported here.
+
+mod ablation;
+mod facts;
+mod output;
+mod picture;
+mod project;
+mod rounds;
+mod subject;
+mod truth;
+
+pub use ablation::{Ablation, AblationError, Outcome, Progress, RowOutcome};
+pub use facts::facts_of;
+pub use output::write_directory;
+pub use picture::{Picture, PictureError};
+pub use project::{Project, Sources};
+pub use rounds::Rounds;
+
+pub use meniscus_gpu as gpu;
+pub use meniscus_measure as measure;
+pub use meniscus_pipeline as pipeline;
+pub use meniscus_reference as reference;
+pub use meniscus_scene as scene;
+pub use meniscus_shader as shader;
+pub use meniscus_source as source;
+
+/// The commit that this program was built from, or `unknown`.
+pub const COMMIT: &str = env!("MENISCUS_COMMIT");

@@ -1,0 +1,321 @@
+//! Several pipelines beside each other and beside the truth: time and error in one run.
+
+use std::sync::Arc;
+
+use glam::UVec2;
+use meniscus_gpu::{self as gpu, FrameTiming, Gpu, GpuError, PipelineCache, SceneBuffers};
+use meniscus_measure::{
+    Comparison, Counters, Judgement, MeasureError, PassMs, Picture, Results, Row, Timer, Timing,
+    TruthGeometry, median, relative_time,
+};
+use meniscus_pipeline::Pipeline;
+use meniscus_reference::{Tracer, Truth};
+use meniscus_scene::{Scene, View, WaterGeometry};
+use meniscus_source::Report;
+use serde_json::{Map, Value, json};
+
+use crate::facts::facts_of;
+use crate::picture::check_size;
+use crate::project::Project;
+use crate::rounds::{Rounds, order};
+use crate::subject::{self, Stage, Subject};
+use crate::truth;
+
+/// What is to be compared.
+#[derive(Debug, Clone)]
+pub struct Ablation {
+    /// The pipelines, with their changes.
+    pub pipelines: Vec<Pipeline>,
+    /// Index of the pipeline that times are relative to.
+    pub baseline: Option<usize>,
+    /// The scene that is rendered.
+    pub scene: Scene,
+    /// The water's geometry in the truth.
+    pub truth: WaterGeometry,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// How often each is rendered.
+    pub rounds: Rounds,
+    /// Settings that were made, for the results.
+    pub settings: Map<String, Value>,
+}
+
+/// Why an ablation came to no end.
+#[derive(Debug)]
+pub enum AblationError {
+    /// Something that was written is wrong.
+    Source(Report),
+    /// The GPU cannot do it.
+    Gpu(GpuError),
+    /// Figures could not be made or written.
+    Measure(MeasureError),
+}
+
+impl std::fmt::Display for AblationError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Source(report) => report.fmt(f),
+            Self::Gpu(error) => error.fmt(f),
+            Self::Measure(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for AblationError {}
+
+impl From<Report> for AblationError {
+    fn from(report: Report) -> Self {
+        Self::Source(report)
+    }
+}
+
+impl From<GpuError> for AblationError {
+    fn from(error: GpuError) -> Self {
+        Self::Gpu(error)
+    }
+}
+
+impl From<MeasureError> for AblationError {
+    fn from(error: MeasureError) -> Self {
+        Self::Measure(error)
+    }
+}
+
+/// Told while an ablation runs: what is being done, and how much of it is done (0 to 1).
+pub type Progress<'a> = dyn Fn(&str, f64) + Sync + 'a;
+
+/// What an ablation found.
+#[derive(Debug)]
+pub struct Outcome {
+    /// The figures.
+    pub results: Results,
+    /// Pictures and points of each pipeline, in the order of the results' rows.
+    pub rows: Vec<RowOutcome>,
+    /// The truth.
+    pub truth: Truth,
+    /// The scene that was rendered.
+    pub scene: Scene,
+    /// The view of the frame.
+    pub view: View,
+}
+
+/// What one pipeline shows.
+#[derive(Debug)]
+pub struct RowOutcome {
+    /// Linear RGB.
+    pub colours: Vec<[f32; 3]>,
+    /// World point and object id of which the colour is displayed.
+    pub shown: Vec<[f32; 4]>,
+    /// What the comparison says of each pixel.
+    pub judgement: Judgement,
+}
+
+impl Ablation {
+    /// Renders everything, traces the truth, and compares.
+    ///
+    /// # Errors
+    /// See [`AblationError`].
+    pub fn run(&self, project: &Project, gpu: &Gpu, progress: &Progress) -> Result<Outcome, AblationError> {
+        check_size(gpu, self.size)?;
+        let size = UVec2::from_array(self.size);
+        let view = self.scene.camera.view(size);
+        let cache = PipelineCache::default();
+        let stage = Stage {
+            gpu,
+            composer: &project.composer,
+            cache: &cache,
+            scene: Arc::new(SceneBuffers::new(gpu, &self.scene)?),
+            size,
+            facts: facts_of(&self.scene),
+        };
+        let mut subjects = Vec::new();
+        for (index, pipeline) in self.pipelines.iter().enumerate() {
+            progress("preparing pipelines", index as f64 / self.pipelines.len() as f64);
+            subjects.push(Subject::new(pipeline, &stage)?);
+        }
+        let true_scene = Scene {
+            water: self.scene.water.with_geometry(self.truth),
+            ..self.scene.clone()
+        };
+        let traced = Tracer::new(&true_scene).trace(&view, &|part| progress("tracing the truth", part));
+        let timings = self.time(&mut subjects, progress)?;
+        let context = Judging::new(self, &traced, &true_scene, view);
+        let mut rows = Vec::new();
+        let mut found = Vec::new();
+        for (index, subject) in subjects.iter_mut().enumerate() {
+            progress("comparing with the truth", index as f64 / self.pipelines.len() as f64);
+            let outcome = context.judge(subject, &stage)?;
+            let row = self.row(subject, index, &timings, &outcome)?;
+            found.push(row);
+            rows.push(outcome);
+        }
+        let judged = rows.first().map(|row| &row.judgement);
+        let results = Results {
+            provenance: provenance(gpu),
+            scene: self.scene.name.clone(),
+            settings: self.settings.clone(),
+            size: self.size,
+            truth: match self.truth {
+                WaterGeometry::Flat => TruthGeometry::Flat,
+                WaterGeometry::Displaced => TruthGeometry::Displaced,
+            },
+            water_pixels: judged.map_or(0, |j| j.water_pixels),
+            undefined_pixels: judged.map_or(0, |j| j.undefined_pixels),
+            rows: found,
+            more: Map::new(),
+        };
+        Ok(Outcome {
+            results,
+            rows,
+            truth: traced,
+            scene: self.scene.clone(),
+            view,
+        })
+    }
+
+    /// Frames of all subjects in turn, in an order that changes from round to round.
+    fn time(&self, subjects: &mut [Subject], progress: &Progress) -> Result<Vec<Vec<FrameTiming>>, AblationError> {
+        let mut timings: Vec<Vec<FrameTiming>> = subjects.iter().map(|_| Vec::new()).collect();
+        let all = self.rounds.warm_up + self.rounds.counted;
+        for round in 0..all {
+            progress("timing frames", f64::from(round) / f64::from(all.max(1)));
+            for index in order(round, subjects.len()) {
+                let timing = subjects[index].frame.render()?;
+                if round >= self.rounds.warm_up {
+                    timings[index].push(timing);
+                }
+            }
+        }
+        Ok(timings)
+    }
+
+    fn row(
+        &self,
+        subject: &Subject,
+        index: usize,
+        timings: &[Vec<FrameTiming>],
+        outcome: &RowOutcome,
+    ) -> Result<Row, AblationError> {
+        // One clock for all rows, or their ratios would compare clocks.
+        let every: Vec<FrameTiming> = timings.iter().flatten().cloned().collect();
+        let clock = gpu::Timer::of(&every);
+        let timing = |index: usize| Timing::new(timings[index].iter().map(|f| f.ms(clock)).collect());
+        let own = timing(index)?;
+        let relative = match self.baseline {
+            Some(baseline) => Some(relative_time(&own, &timing(baseline)?, &self.pipelines[baseline].name)?),
+            None => None,
+        };
+        let passes = subject.frame.plan().passes.iter().enumerate().filter_map(|(pass, planned)| {
+            let ms: Vec<f64> = timings[index].iter().filter_map(|f| f.passes.get(pass)?.ms).collect();
+            Some(PassMs {
+                name: planned.name.clone(),
+                ms: median(&ms)?,
+            })
+        });
+        let counted = subject.frame.counters()?;
+        let mut more = Map::new();
+        more.insert("dispatches".into(), json!(counted.dispatches));
+        more.insert("compute_invocations".into(), json!(counted.compute_invocations));
+        more.insert("texture_bytes".into(), json!(counted.texture_bytes));
+        more.insert("buffer_bytes".into(), json!(counted.buffer_bytes));
+        let hashes = subject.frame.plan().passes.iter().map(|p| (p.name.clone(), json!(p.shader.hash)));
+        let mut row_more = Map::new();
+        row_more.insert("shaders".into(), Value::Object(hashes.collect()));
+        Ok(Row {
+            pipeline: subject.name.clone(),
+            timer: match clock {
+                gpu::Timer::Gpu => Timer::Gpu,
+                gpu::Timer::Wall => Timer::Wall,
+            },
+            frame_ms: own.frame_ms(),
+            relative,
+            passes: passes.collect(),
+            counters: Counters {
+                triangles: Some(counted.triangles),
+                vertex_invocations: counted.vertex_invocations,
+                fragment_invocations: counted.fragment_invocations,
+                draws: Some(counted.draws),
+                more,
+            },
+            error: outcome.judgement.errors.clone(),
+            more: row_more,
+        })
+    }
+}
+
+/// The truth, made ready to judge by.
+struct Judging<'a> {
+    size: [u32; 2],
+    border: u32,
+    diagonal: f64,
+    truth: &'a Truth,
+    scene: &'a Scene,
+    view: View,
+    points: Vec<meniscus_measure::Seen>,
+    projected: Vec<Option<[f64; 2]>>,
+}
+
+/// The border band's width as a share of the frame's height.
+const BORDER_SHARE: f64 = 1.0 / 24.0;
+
+impl<'a> Judging<'a> {
+    fn new(ablation: &Ablation, truth: &'a Truth, scene: &'a Scene, view: View) -> Self {
+        let points = truth::seen(truth);
+        let projected = truth::project(&points, truth, scene, &view);
+        let (low, high) = scene.bounds().unwrap_or_default();
+        Self {
+            size: ablation.size,
+            border: (f64::from(ablation.size[1]) * BORDER_SHARE).ceil() as u32,
+            // A scene without extent has no diagonal; any positive cap serves.
+            diagonal: (high - low).length().max(1.0),
+            truth,
+            scene,
+            view,
+            points,
+            projected,
+        }
+    }
+
+    fn judge(&self, subject: &mut Subject, stage: &Stage) -> Result<RowOutcome, AblationError> {
+        let colours = subject.colours()?;
+        let shown = subject.shown(stage)?;
+        let points = subject::seen(&shown);
+        let projected = truth::project(&points, self.truth, self.scene, &self.view);
+        let judgement = Comparison {
+            size: self.size,
+            border_px: self.border,
+            scene_diagonal_m: self.diagonal,
+            water: &self.truth.water_first,
+            undefined: &self.truth.undefined,
+            shown: Picture {
+                points: &points,
+                projected: &projected,
+                colours: &colours,
+            },
+            truth: Picture {
+                points: &self.points,
+                projected: &self.projected,
+                colours: &self.truth.colour,
+            },
+        }
+        .judge()?;
+        Ok(RowOutcome {
+            colours,
+            shown,
+            judgement,
+        })
+    }
+}
+
+fn provenance(gpu: &Gpu) -> Map<String, Value> {
+    let facts = gpu.facts();
+    let entries = [
+        ("adapter", facts.name.clone()),
+        ("driver", format!("{} {}", facts.driver, facts.driver_info).trim().to_owned()),
+        ("backend", facts.backend.clone()),
+        ("device_type", facts.device_type.clone()),
+        ("meniscus", env!("CARGO_PKG_VERSION").to_owned()),
+        ("commit", crate::COMMIT.to_owned()),
+    ];
+    entries.into_iter().map(|(key, value)| (key.to_owned(), json!(value))).collect()
+}

@@ -1,0 +1,242 @@
+//! What can be written on the command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use meniscus::Sources;
+use meniscus::pipeline::Pipeline;
+use meniscus::scene::{Scene, Setting, WaterGeometry};
+use meniscus::source::{Diagnostic, Report};
+
+use super::Failure;
+
+/// Shader pipelines put together by configuration, and refraction that is both fast and right.
+#[derive(Debug, Parser)]
+#[command(name = "meniscus", version, max_term_width = 100)]
+pub(crate) struct Arguments {
+    /// A folder of WGSL modules that add to the built-in ones, or replace those of the same path.
+    #[arg(long, global = true, value_name = "DIR")]
+    modules: Vec<PathBuf>,
+    /// A folder of pipelines in RON, likewise.
+    #[arg(long, global = true, value_name = "DIR")]
+    pipelines: Vec<PathBuf>,
+    /// A folder of scenes in RON, likewise.
+    #[arg(long, global = true, value_name = "DIR")]
+    scenes: Vec<PathBuf>,
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+impl Arguments {
+    pub fn sources(&self) -> Sources {
+        Sources {
+            modules: self.modules.clone(),
+            pipelines: self.pipelines.clone(),
+            scenes: self.scenes.clone(),
+        }
+    }
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// List modules, slots, pipelines and scenes, each with its purpose.
+    List(List),
+    /// Compose and validate every shader of every pipeline, without a GPU.
+    Check(Check),
+    /// Print the composed WGSL of a pass.
+    Compose(Compose),
+    /// Render one pipeline to a PNG.
+    Render(Render),
+    /// Render pipelines beside each other and beside ray-traced truth: time and error in one table.
+    Ablate(Ablate),
+    /// List the graphics adapters of this machine.
+    Adapters,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct List {
+    /// What to list; everything if nothing is said.
+    pub what: Vec<Listed>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Listed {
+    Slots,
+    Modules,
+    Pipelines,
+    Scenes,
+    /// The keys that `--set` knows.
+    Settings,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Check {
+    /// Pipelines by name or file, `refraction/*` for many; all that are known if none is given.
+    pub pipelines: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Compose {
+    /// The pipeline, by name or file.
+    pub pipeline: String,
+    /// The pass.
+    #[arg(long)]
+    pub pass: String,
+    /// Facts that hold (`waves`, `displaced`, `camera_submerged`), joined by commas.
+    #[arg(long, value_delimiter = ',', default_value = "waves,displaced")]
+    pub facts: Vec<String>,
+    #[command(flatten)]
+    pub changes: Changes,
+}
+
+/// Changes to pipelines.
+#[derive(Debug, Args)]
+pub(crate) struct Changes {
+    /// Change a pipeline: PASS.SLOT=MODULE or PASS.SLOT.NUMBER=VALUE.
+    #[arg(long = "with", value_name = "KEY=VALUE")]
+    pub with: Vec<String>,
+}
+
+/// The scene and how it is looked at.
+#[derive(Debug, Args)]
+pub(crate) struct Look {
+    /// The scene, by name or file.
+    #[arg(long, default_value = "pool")]
+    pub scene: String,
+    /// Width and height in pixels.
+    #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = size)]
+    pub size: [u32; 2],
+    /// Change the scene, e.g. water.rms_slope=0.05; `meniscus list settings` tells all keys.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// The graphics adapter, by a part of its name.
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Render {
+    /// The pipeline, by name or file.
+    pub pipeline: String,
+    #[command(flatten)]
+    pub look: Look,
+    #[command(flatten)]
+    pub changes: Changes,
+    /// The picture.
+    #[arg(short, long, value_name = "FILE.png")]
+    pub output: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Ablate {
+    /// Pipelines by name or file, `refraction/*` for many; all under `refraction/` if none is given.
+    pub pipelines: Vec<String>,
+    #[command(flatten)]
+    pub look: Look,
+    #[command(flatten)]
+    pub changes: Changes,
+    /// The water that rays meet, in pipelines and truth: its rest plane with the waves' normals, or
+    /// the waves. With `--set water.geometry=…` only the truth's.
+    #[arg(long, value_enum)]
+    pub truth: Option<Geometry>,
+    /// Try fillings: PASS.SLOT=A,B…; given more than once, every combination is run.
+    #[arg(long = "try", value_name = "PASS.SLOT=A,B")]
+    pub attempts: Vec<String>,
+    /// The pipeline that times are relative to; by default the one that says so of itself.
+    #[arg(long, value_name = "PIPELINE")]
+    pub baseline: Option<String>,
+    /// Frames of each pipeline that are timed, in turn with the others.
+    #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub rounds: u32,
+    /// Write the results as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the table as Markdown.
+    #[arg(long, value_name = "FILE")]
+    pub markdown: Option<PathBuf>,
+    /// Write the table as CSV.
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Write pictures, error maps, the figure of time against error, and the data to check them.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Geometry {
+    Flat,
+    Displaced,
+}
+
+impl From<Geometry> for WaterGeometry {
+    fn from(geometry: Geometry) -> Self {
+        match geometry {
+            Geometry::Flat => Self::Flat,
+            Geometry::Displaced => Self::Displaced,
+        }
+    }
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let wrong = || format!("`{text}` is no size; write WIDTHxHEIGHT in pixels, such as 640x360");
+    let (width, height) = text.split_once(['x', '×']).ok_or_else(wrong)?;
+    let number = |text: &str| text.trim().parse::<u32>().map_err(|_| wrong());
+    let size = [number(width)?, number(height)?];
+    match size.contains(&0) {
+        true => Err(format!("a picture of {text} has no pixels; width and height begin at 1")),
+        false => Ok(size),
+    }
+}
+
+impl Look {
+    /// The settings of the scene.
+    pub fn settings(&self) -> Result<Vec<Setting>, Report> {
+        let mut report = Report::default();
+        let mut settings = Vec::new();
+        for text in &self.set {
+            match Setting::parse("--set", text) {
+                Ok(setting) => settings.push(setting),
+                Err(wrong) => report.add(wrong),
+            }
+        }
+        report.into_result(settings)
+    }
+
+    pub fn scene(&self, project: &meniscus::Project) -> Result<Scene, Failure> {
+        Ok(project.scene(&self.scene, &self.settings()?)?)
+    }
+}
+
+/// Splits `KEY=VALUE`.
+pub(crate) fn key_value<'a>(option: &str, text: &'a str) -> Result<(&'a str, &'a str), Diagnostic> {
+    text.split_once('=').filter(|(key, _)| !key.trim().is_empty()).ok_or_else(|| {
+        Diagnostic::error(format!("`{option} {text}`: KEY=VALUE is wanted"))
+            .with_help(format!("for example {option} narrow.deflect=optics/refracted_ray"))
+    })
+}
+
+impl Changes {
+    /// Applies `--with`. Where several pipelines run, one that has not the pass is left as it is,
+    /// unless none has it.
+    pub fn apply(&self, pipelines: &mut [Pipeline]) -> Result<(), Report> {
+        for text in &self.with {
+            let (key, value) = key_value("--with", text)?;
+            let mut report = Report::default();
+            let mut changed = false;
+            for pipeline in pipelines.iter_mut() {
+                let mut attempt = pipeline.clone();
+                match attempt.set(key, value) {
+                    Ok(()) => {
+                        *pipeline = attempt;
+                        changed = true;
+                    }
+                    Err(wrong) => report.extend(wrong),
+                }
+            }
+            if !changed {
+                return Err(report);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,103 @@
+//! Commands, their arguments, and how they end: 0 done, 1 the machine could not do it, 2 something
+//! that was written is wrong.
+
+mod ablate;
+mod arguments;
+mod check;
+mod list;
+mod progress;
+mod render;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use meniscus::gpu::{Gpu, GpuError};
+use meniscus::source::Report;
+use meniscus::{AblationError, Project};
+
+use arguments::{Arguments, Command};
+
+/// Why a command did not do what was asked.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// Something that was written is wrong.
+    Written(String),
+    /// The machine could not do it.
+    Machine(String),
+}
+
+impl From<Report> for Failure {
+    fn from(report: Report) -> Self {
+        Self::Written(report.to_string().trim_end().to_owned())
+    }
+}
+
+impl From<meniscus::source::Diagnostic> for Failure {
+    fn from(diagnostic: meniscus::source::Diagnostic) -> Self {
+        Report::from(diagnostic).into()
+    }
+}
+
+impl From<GpuError> for Failure {
+    fn from(error: GpuError) -> Self {
+        match error {
+            GpuError::Size(_) => Self::Written(format!("error: {error}")),
+            _ => Self::Machine(format!("error: {error}")),
+        }
+    }
+}
+
+impl From<meniscus::measure::MeasureError> for Failure {
+    fn from(error: meniscus::measure::MeasureError) -> Self {
+        Self::Machine(format!("error: {error}"))
+    }
+}
+
+impl From<AblationError> for Failure {
+    fn from(error: AblationError) -> Self {
+        match error {
+            AblationError::Source(report) => report.into(),
+            AblationError::Gpu(error) => error.into(),
+            AblationError::Measure(error) => error.into(),
+        }
+    }
+}
+
+/// Runs the command of this process's arguments.
+pub(crate) fn run() -> ExitCode {
+    let arguments = Arguments::parse();
+    match execute(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Written(message)) => {
+            eprintln!("{message}");
+            ExitCode::from(2)
+        }
+        Err(Failure::Machine(message)) => {
+            eprintln!("{message}");
+            ExitCode::from(1)
+        }
+    }
+}
+
+fn execute(arguments: Arguments) -> Result<(), Failure> {
+    let project = Project::open(&arguments.sources())?;
+    match arguments.command {
+        Command::List(list) => list::run(&project, &list),
+        Command::Check(check) => check::check(&project, &check),
+        Command::Compose(compose) => check::compose(&project, &compose),
+        Command::Render(render) => render::run(&project, &render),
+        Command::Ablate(ablate) => ablate::run(&project, &ablate),
+        Command::Adapters => adapters(),
+    }
+}
+
+fn adapters() -> Result<(), Failure> {
+    let found = meniscus::gpu::adapters();
+    for adapter in &found {
+        println!("{adapter}");
+    }
+    if found.is_empty() {
+        Gpu::open(None)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,61 @@
+//! One pipeline, one scene, one picture.
+
+use std::sync::Arc;
+
+use glam::UVec2;
+use meniscus_gpu::{Gpu, GpuError, PipelineCache, SceneBuffers};
+use meniscus_pipeline::Pipeline;
+use meniscus_scene::Scene;
+
+use crate::ablation::AblationError;
+use crate::facts::facts_of;
+use crate::project::Project;
+use crate::subject::{Stage, Subject};
+
+/// Why there is no picture.
+pub type PictureError = AblationError;
+
+/// A rendered picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// Width and height.
+    pub size: [u32; 2],
+    /// Linear RGB, row by row from the top left; not clamped.
+    pub colours: Vec<[f32; 3]>,
+}
+
+impl Picture {
+    /// Renders a pipeline.
+    ///
+    /// # Errors
+    /// When the pipeline does not compose, the size is 0 or too large, or the GPU refuses.
+    pub fn render(project: &Project, gpu: &Gpu, pipeline: &Pipeline, scene: &Scene, size: [u32; 2]) -> Result<Self, PictureError> {
+        check_size(gpu, size)?;
+        let stage = Stage {
+            gpu,
+            composer: &project.composer,
+            cache: &PipelineCache::default(),
+            scene: Arc::new(SceneBuffers::new(gpu, scene)?),
+            size: UVec2::from_array(size),
+            facts: facts_of(scene),
+        };
+        let colours = Subject::new(pipeline, &stage)?.colours()?;
+        Ok(Self { size, colours })
+    }
+
+    /// The picture as 8-bit sRGB; what is not finite shows as magenta, so that it is seen.
+    pub fn srgb(&self) -> Vec<u8> {
+        meniscus_measure::to_srgb8(&self.colours)
+    }
+}
+
+/// Refuses sizes that no picture can have, before anything is made.
+pub(crate) fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), GpuError> {
+    let most = gpu.max_size();
+    if width == 0 || height == 0 || width > most || height > most {
+        return Err(GpuError::Size(format!(
+            "a picture of {width}×{height} pixels cannot be made: width and height are 1 to {most} on this adapter"
+        )));
+    }
+    Ok(())
+}

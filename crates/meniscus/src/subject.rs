@@ -1,0 +1,69 @@
+//! A pipeline made ready on a GPU.
+
+use std::sync::Arc;
+
+use glam::UVec2;
+use meniscus_gpu::{Frame, Gpu, PipelineCache, SceneBuffers};
+use meniscus_measure::Seen;
+use meniscus_pipeline::{Facts, Pipeline, Plan};
+use meniscus_shader::Composer;
+
+use crate::AblationError;
+
+/// A pipeline, and its frames: one to time and look at, one that tells what is shown.
+pub(crate) struct Subject {
+    pub name: String,
+    pub frame: Frame,
+    shown: Plan,
+}
+
+/// What subjects share.
+pub(crate) struct Stage<'a> {
+    pub gpu: &'a Gpu,
+    pub composer: &'a Composer,
+    pub cache: &'a PipelineCache,
+    pub scene: Arc<SceneBuffers>,
+    pub size: UVec2,
+    pub facts: Facts,
+}
+
+impl Subject {
+    pub fn new(pipeline: &Pipeline, stage: &Stage) -> Result<Self, AblationError> {
+        let plan = Plan::new(pipeline, stage.composer, &stage.facts, false)?;
+        let shown = Plan::new(pipeline, stage.composer, &stage.facts, true)?;
+        Ok(Self {
+            name: pipeline.name.clone(),
+            frame: Frame::new(stage.gpu, &plan, stage.scene.clone(), stage.size, stage.cache)?,
+            shown,
+        })
+    }
+
+    /// Renders once and reads the colours, linear RGB.
+    pub fn colours(&mut self) -> Result<Vec<[f32; 3]>, AblationError> {
+        self.frame.render()?;
+        let pixels = self.frame.read(&self.frame.plan().output)?;
+        Ok(pixels.data.chunks_exact(pixels.channels).map(rgb).collect())
+    }
+
+    /// Renders, in a frame of its own that is gone afterwards, which points the colours show.
+    pub fn shown(&self, stage: &Stage) -> Result<Vec<[f32; 4]>, AblationError> {
+        let Some(texture) = self.shown.shown.clone() else {
+            return Ok(Vec::new());
+        };
+        let mut frame =
+            Frame::new(stage.gpu, &self.shown, stage.scene.clone(), stage.size, stage.cache)?;
+        frame.render()?;
+        let pixels = frame.read(&texture)?;
+        Ok(pixels.data.chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect())
+    }
+}
+
+/// The first three channels, or as many as there are.
+pub(crate) fn rgb(texel: &[f32]) -> [f32; 3] {
+    std::array::from_fn(|channel| texel.get(channel).copied().unwrap_or(0.0))
+}
+
+/// Texels of a `shown` buffer as points.
+pub(crate) fn seen(shown: &[[f32; 4]]) -> Vec<Seen> {
+    shown.iter().copied().map(Seen::from_texel).collect()
+}
