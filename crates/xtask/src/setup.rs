@@ -1,6 +1,6 @@
 //! Makes sure that there is a Vulkan adapter, with apt-get where it has to and may.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::command::{self, Failure};
@@ -16,10 +16,8 @@ pub(crate) fn set_up() -> Result<(), Failure> {
         return Ok(());
     }
     let missing = match search() {
-        Found::Adapter(driver) => {
-            eprintln!("Vulkan driver: {}", driver.display());
-            return Ok(());
-        }
+        Found::Adapter(driver) => return tell(&driver),
+        Found::Hidden => return Err(hidden()),
         Found::Missing(what) => what,
     };
     eprintln!("This machine lacks {missing}.");
@@ -30,16 +28,26 @@ pub(crate) fn set_up() -> Result<(), Failure> {
     };
     install(&prefix).map_err(|failure| failure.after(&system.advice()))?;
     match search() {
-        Found::Adapter(driver) => {
-            eprintln!("Vulkan driver: {}", driver.display());
-            Ok(())
-        }
+        Found::Adapter(driver) => tell(&driver),
+        Found::Hidden => Err(hidden()),
         Found::Missing(what) => Err(Failure::lacking(format!(
-            "error: {} are installed, and still {what} is missing.\n\
-             Variables such as VK_DRIVER_FILES may hide the driver; `--no-setup` skips this check.",
+            "error: {} are installed, and still {what} is missing; `--no-setup` skips this check.",
             PACKAGES.join(" and ")
         ))),
     }
+}
+
+fn tell(driver: &Path) -> Result<(), Failure> {
+    eprintln!("Vulkan driver: {}", driver.display());
+    Ok(())
+}
+
+fn hidden() -> Failure {
+    Failure::lacking(
+        "error: VK_DRIVER_FILES or VK_ICD_FILENAMES names no Vulkan driver that is there; unset it, \
+         or name one that is."
+            .into(),
+    )
 }
 
 fn search() -> Found {

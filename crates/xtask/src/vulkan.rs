@@ -28,6 +28,8 @@ pub(crate) enum Found {
     Adapter(PathBuf),
     /// What is missing, in words.
     Missing(&'static str),
+    /// The environment names drivers, which hides all others, and none of them is there.
+    Hidden,
 }
 
 impl Machine<'_> {
@@ -38,7 +40,10 @@ impl Machine<'_> {
         }
         let drivers = self.drivers();
         if drivers.is_empty() {
-            return Found::Missing("a Vulkan driver");
+            return match self.named_drivers() {
+                Some(_) => Found::Hidden,
+                None => Found::Missing("a Vulkan driver"),
+            };
         }
         // Distributions install the drivers of all makers together, whatever is plugged in.
         let driver = if self.has_device() {
@@ -76,12 +81,8 @@ impl Machine<'_> {
 
     /// Manifests of drivers, in the order of the loader.
     fn drivers(&self) -> Vec<PathBuf> {
-        for variable in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
-            let named = self.paths(variable);
-            if !named.is_empty() {
-                // Naming drivers hides all others.
-                return named.iter().flat_map(|path| manifests(path)).collect();
-            }
+        if let Some(named) = self.named_drivers() {
+            return named.iter().flat_map(|path| manifests(path)).collect();
         }
         let mut places = self.paths("VK_ADD_DRIVER_FILES");
         let home = (self.variable)("HOME").map(PathBuf::from);
@@ -102,6 +103,14 @@ impl Machine<'_> {
         ];
         places.extend(bases.iter().flatten().map(|base| base.join("vulkan/icd.d")));
         places.iter().flat_map(|place| manifests(place)).collect()
+    }
+
+    /// Drivers that the environment names, the newer variable going first.
+    fn named_drivers(&self) -> Option<Vec<PathBuf>> {
+        ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"]
+            .iter()
+            .map(|variable| self.paths(variable))
+            .find(|named| !named.is_empty())
     }
 
     fn has_device(&self) -> bool {
@@ -182,7 +191,7 @@ mod tests {
                 let path = path.strip_prefix(root.path()).expect("inside of the root");
                 Found::Adapter(path.to_owned())
             }
-            missing => missing,
+            other => other,
         }
     }
 
@@ -215,8 +224,7 @@ mod tests {
     #[test]
     fn drivers_that_are_named_hide_all_others() {
         let named = [("VK_DRIVER_FILES", "opt/lvp.json")];
-        let gone = found(&[LIBRARY, LAVAPIPE], &named);
-        assert!(is_missing(&gone, "a Vulkan driver"));
+        assert_eq!(found(&[LIBRARY, LAVAPIPE], &named), Found::Hidden);
         let there = found(&[LIBRARY, LAVAPIPE, "opt/lvp.json"], &named);
         assert_eq!(there, Found::Adapter("opt/lvp.json".into()));
         let added = [("VK_ADD_DRIVER_FILES", "opt")];
