@@ -15,7 +15,7 @@ fn agrees(wgsl: &str, native: impl Fn(f32, f32, f32) -> f32) {
     let mut chance = Chance::new(7);
     let mut pick = |_| {
         // Half of them near each other in size, so that sums are not all trivial.
-        if chance.bits() % 2 == 0 {
+        if chance.bits().is_multiple_of(2) {
             chance.finite()
         } else {
             chance.within(-9.0, 9.0)
@@ -287,7 +287,7 @@ fn overrides_take_their_value_or_the_one_set() {
     let index = Lanes::<f32> {
         columns: vec![Column::Uint(vec![0, 1, 2, 3])],
     };
-    let plain = call(&program(source), "f", &[index.clone()]);
+    let plain = call(&program(source), "f", std::slice::from_ref(&index));
     assert_eq!(plain.floats(0), Some(&[4.0, 5.0, 7.0, 7.0][..]));
     let numbers = [("n".to_owned(), 10.0), ("scale".to_owned(), 2.0)].into();
     let settings = Settings {
