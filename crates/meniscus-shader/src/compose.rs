@@ -2,13 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use meniscus_source::ron::Spanned;
-use meniscus_source::{Diagnostic, Report};
+use meniscus_source::{Diagnostic, Report, Severity};
 
 use crate::filling::Filling;
-use crate::library::{Library, Role};
+use crate::library::{Library, Module, Role};
 use crate::shader::Shader;
 use crate::{entry, instance, ir, text};
 
@@ -52,11 +52,13 @@ pub enum Stage {
 /// A text, and the resources that its variables are connected to.
 type Key = (String, BTreeMap<String, String>);
 
+type Composed = OnceLock<Result<Arc<Shader>, Report>>;
+
 /// Composes recipes from one library and keeps what it has composed.
 #[derive(Debug)]
 pub struct Composer {
     library: Library,
-    kept: Mutex<HashMap<Key, Arc<Shader>>>,
+    kept: Mutex<HashMap<Key, Arc<Composed>>>,
     composed: AtomicU64,
 }
 
@@ -89,12 +91,59 @@ impl Composer {
         // Text and connections hold everything that decides the outcome, so they are the key.
         let key = (written.source.text.clone(), written.resources.clone());
         let lock = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(shader) = lock().get(&key) {
-            return Ok(shader.clone());
+        let cell = lock().entry(key.clone()).or_default().clone();
+        // Whoever comes second waits for the first rather than compose the same.
+        let shader = cell.get_or_init(|| {
+            self.composed.fetch_add(1, Ordering::Relaxed);
+            let paths: BTreeSet<String> = written.modules.iter().map(|(path, _)| path.clone()).collect();
+            ir::shader(written, &self.library).map(Arc::new).map_err(|wrong| self.all_faults(&paths, wrong))
+        });
+        if shader.is_err() {
+            // Its messages name the places of this recipe, not of the next one.
+            lock().remove(&key);
         }
-        self.composed.fetch_add(1, Ordering::Relaxed);
-        let shader = Arc::new(ir::shader(written, &self.library)?);
-        Ok(lock().entry(key).or_insert(shader).clone())
+        shader.clone()
+    }
+
+    /// naga tells the first fault of a text only, so each module is asked by itself; a fault that
+    /// shows nowhere but in the whole stays.
+    fn all_faults(&self, paths: &BTreeSet<String>, whole: Report) -> Report {
+        let mut report = whole;
+        for path in paths {
+            let Some(module) = self.library.get(path).filter(|m| m.role() != Role::Skeleton) else {
+                continue;
+            };
+            for fault in self.check_module(path).0 {
+                let told = |known: &Diagnostic| {
+                    let place = |d: &Diagnostic| d.labels.iter().find(|l| l.primary).map(|l| l.place.clone());
+                    place(known) == place(&fault)
+                };
+                let own = fault.labels.iter().any(|l| l.primary && l.place.file == module.file);
+                if fault.severity == Severity::Error && own && !report.0.iter().any(told) {
+                    report.add(fault);
+                }
+            }
+        }
+        report
+    }
+
+    /// What is likely not meant in a recipe that can be composed: fillings that nothing asks for.
+    pub fn warnings(&self, recipe: &Recipe) -> Report {
+        let Some(skeleton) = self.library.get(&recipe.skeleton) else {
+            return Report::default();
+        };
+        self.resolve(skeleton, recipe).map(|instances| instances.unused).unwrap_or_default()
+    }
+
+    fn resolve<'l>(&'l self, skeleton: &'l Module, recipe: &Recipe) -> Result<instance::Instances<'l>, Report> {
+        instance::resolve(
+            &self.library,
+            skeleton,
+            recipe.skeleton.place.as_ref(),
+            &recipe.slots,
+            recipe.reads.clone(),
+            &recipe.facts,
+        )
     }
 
     /// Resolves and concatenates, without naga.
@@ -111,15 +160,15 @@ impl Composer {
                 .with_suggestion(&skeleton.path, skeletons.map(|m| m.path.as_str()))
                 .into());
         }
-        let instances = instance::resolve(
-            &self.library,
-            skeleton,
-            place,
-            &recipe.slots,
-            recipe.reads.clone(),
-            &recipe.facts,
-        )?;
-        let entry = entry::write(skeleton, recipe)?;
-        text::write(&instances, entry)
+        let instances = self.resolve(skeleton, recipe);
+        let entry = entry::write(skeleton, recipe);
+        match (instances, entry) {
+            (Ok(instances), Ok(entry)) => text::write(&instances, entry),
+            (instances, entry) => {
+                let mut report = instances.err().unwrap_or_default();
+                report.extend(entry.err().unwrap_or_default());
+                Err(report)
+            }
+        }
     }
 }

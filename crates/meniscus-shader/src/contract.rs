@@ -44,7 +44,8 @@ impl<'l> Resolver<'l, '_> {
                     provides.text,
                     slot.leaf()
                 ))
-                .at(&provides.place, format!("provides `{}`", provides.text)),
+                .at(&provides.place, format!("provides `{}`", provides.text))
+                .with_help(format!("take a module with `// provides: {}`", slot.leaf())),
             ));
             return None;
         }

@@ -70,16 +70,67 @@ fn function<'m>(skeleton: &'m Module, name: &str) -> Result<Signature<'m>, Repor
     }
 }
 
+/// A mistake in a function of the skeleton.
+fn wrong_function(skeleton: &Module, signature: &Signature, what: String) -> Report {
+    Diagnostic::error(format!("`{}`: {what}", skeleton.path))
+        .at(&skeleton.place(signature.item.name_range.clone()), "")
+        .into()
+}
+
+/// Checks that the function of a stage returns something, which `keep` and the outputs take.
+fn check_state(skeleton: &Module, stage: &Signature, recipe: &Recipe) -> Result<(), Report> {
+    let name = &stage.item.name;
+    if stage.result.is_empty() {
+        return Err(wrong_function(skeleton, stage, format!("`{name}` must return what the outputs are made of")));
+    }
+    let mut report = Report::default();
+    let outputs = recipe.outputs.iter().map(|output| format!("write_{}", output.name.value));
+    for function_name in outputs.chain(["keep".to_owned()]) {
+        let Ok(signature) = function(skeleton, &function_name) else { continue };
+        if !matches!(signature.parameters, [state] if state.ty == stage.result) {
+            report.extend(wrong_function(
+                skeleton,
+                &signature,
+                format!("`{function_name}` takes what `{name}` returns: a `{}`", stage.result),
+            ));
+        }
+        let wanted = if function_name == "keep" { signature.result == "bool" } else { !signature.result.is_empty() };
+        if !wanted {
+            let what = if function_name == "keep" { "a `bool`" } else { "what is written" };
+            report.extend(wrong_function(skeleton, &signature, format!("`{function_name}` must return {what}")));
+        }
+    }
+    report.into_result(())
+}
+
+/// The function of a screen skeleton, checked.
+fn screen_function<'m>(skeleton: &'m Module, recipe: &Recipe) -> Result<Signature<'m>, Report> {
+    let screen = function(skeleton, "screen")?;
+    if !matches!(screen.parameters, [pixel] if pixel.ty == "vec2f") {
+        return Err(wrong_function(
+            skeleton,
+            &screen,
+            "`screen` takes `pixel: vec2f` (pixels, centres at half integers)".into(),
+        ));
+    }
+    check_state(skeleton, &screen, recipe)?;
+    Ok(screen)
+}
+
 /// The outputs' functions with their result types, in the order of the recipe.
 fn outputs(skeleton: &Module, recipe: &Recipe) -> Result<Vec<(String, String)>, Report> {
     let mut report = Report::default();
     let mut found = Vec::new();
     for output in &recipe.outputs {
         let name = &output.name.value;
-        let known = skeleton.header.outputs.iter().any(|o| o.text == *name);
-        match function(skeleton, &format!("write_{name}")) {
-            Ok(signature) if known => found.push((name.clone(), signature.result.to_owned())),
-            Err(missing) if known => report.extend(missing),
+        let known = skeleton.header.outputs.iter().find(|o| o.text == *name);
+        match (known, function(skeleton, &format!("write_{name}"))) {
+            (Some(_), Ok(signature)) => found.push((name.clone(), signature.result.to_owned())),
+            (Some(declared), Err(_)) => report.add(
+                Diagnostic::error(format!("`{}` has no function `write_{name}`", skeleton.path))
+                    .at(&declared.place, "an output that nothing makes")
+                    .with_help(format!("declare `fn write_{name}(…) -> vec4f`")),
+            ),
             _ => {
                 let mut unknown =
                     Diagnostic::error(format!("`{}` has no output `{name}`", skeleton.path));
@@ -92,6 +143,12 @@ fn outputs(skeleton: &Module, recipe: &Recipe) -> Result<Vec<(String, String)>, 
         }
     }
     report.into_result(found)
+}
+
+/// Whether a type may pass from stage to stage.
+fn is_io(ty: &str) -> bool {
+    let vector = |size: char| ["f", "u", "i"].iter().any(|scalar| ty == format!("vec{size}{scalar}"));
+    matches!(ty, "f32" | "u32" | "i32") || ['2', '3', '4'].into_iter().any(vector)
 }
 
 /// Statements that leave the entry point unless the state is kept.
@@ -144,17 +201,29 @@ fn draw(skeleton: &Module, recipe: &Recipe) -> Result<Written, Report> {
             &format!("`{}` needs a member `clip: vec4f`", vertex.result),
         ));
     }
+    for member in members.iter().filter(|m| !is_io(&m.ty)) {
+        return Err(wrong_function(
+            skeleton,
+            &vertex,
+            format!("`{}` of `{}` is a `{}`, which no vertex shader can hand on: only numbers and vectors can be", member.name, vertex.result, member.ty),
+        ));
+    }
+    if fragment.parameters.first().is_none_or(|v| v.ty != vertex.result) {
+        let what = format!("`fragment` takes what `vertex` returns: a `{}`", vertex.result);
+        return Err(wrong_function(skeleton, &fragment, what));
+    }
+    check_state(skeleton, &fragment, recipe)?;
     let mut attributes = Vec::new();
     let mut parameters = Vec::new();
     for (index, parameter) in vertex.parameters.iter().enumerate() {
         let location = index as u32;
-        parameters.push(format!("@location({location}) {}: {}", parameter.name, parameter.ty));
+        parameters.push(format!("@location({location}) in_{}: {}", parameter.name, parameter.ty));
         attributes.push(Attribute {
             name: parameter.name.clone(),
             location,
         });
     }
-    let names: Vec<&str> = vertex.parameters.iter().map(|p| p.name.as_str()).collect();
+    let names: Vec<String> = vertex.parameters.iter().map(|p| format!("in_{}", p.name)).collect();
     let mut varying = String::new();
     let mut location = 0;
     for member in members {
@@ -231,7 +300,7 @@ fn builtin_arguments(skeleton: &Module, signature: &Signature, given: usize) -> 
 }
 
 fn screen(skeleton: &Module, recipe: &Recipe) -> Result<Written, Report> {
-    function(skeleton, "screen")?;
+    screen_function(skeleton, recipe)?;
     let outputs = outputs(skeleton, recipe)?;
     let (declared, result, end) = finish(skeleton, &outputs);
     let text = format!(
@@ -250,7 +319,7 @@ fn screen(skeleton: &Module, recipe: &Recipe) -> Result<Written, Report> {
 }
 
 fn screen_compute(skeleton: &Module, recipe: &Recipe) -> Result<Written, Report> {
-    function(skeleton, "screen")?;
+    screen_function(skeleton, recipe)?;
     let outputs = outputs(skeleton, recipe)?;
     let mut text = String::new();
     let mut stores = String::new();

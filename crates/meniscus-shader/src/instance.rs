@@ -94,33 +94,17 @@ pub(crate) fn resolve<'l>(
     reads: BTreeMap<String, String>,
     facts: &BTreeSet<String>,
 ) -> Result<Instances<'l>, Report> {
-    let mut resolver = Resolver {
-        library,
-        facts,
-        scopes: vec![Scope {
-            parent: None,
-            fillings,
-            role: Vec::new(),
-            reads: reads.clone(),
-            key: None,
-        }],
-        instances: Vec::new(),
-        shapes: HashMap::new(),
-        needed: HashMap::new(),
-        filled: HashMap::new(),
-        defaults: HashMap::new(),
-        defaulting: Vec::new(),
-        needing: Vec::new(),
-        depth: 0,
-        report: Report::default(),
-    };
+    let mut resolver = Resolver::new(library, fillings, reads.clone(), facts);
     resolver.check_fillings(fillings, Some(skeleton));
     let slots = resolver.slots_of(skeleton, 0);
     let needs = resolver.needs_of(skeleton, 0);
+    // A filling by itself may call the slot that it fills, so it gets a name of its own.
+    let provides = skeleton.header.provides.as_ref().filter(|_| skeleton.role() == Role::Filling);
+    let slot = provides.and_then(|name| library.slot(&name.text));
     resolver.instances.push(Instance {
         module: skeleton,
-        role: Vec::new(),
-        slot: None,
+        role: slot.iter().map(|_| "filling".to_owned()).collect(),
+        slot,
         reads: BTreeMap::new(),
         slots,
         needs,
@@ -142,7 +126,46 @@ pub(crate) fn resolve<'l>(
     report.into_result(Instances { all: instances, reads, unused })
 }
 
+/// Checks that a module has the functions of the slot that it says it fills.
+pub(crate) fn check_filling(library: &Library, module: &Module) -> Report {
+    let (fillings, facts) = (BTreeMap::new(), BTreeSet::new());
+    let mut resolver = Resolver::new(library, &fillings, BTreeMap::new(), &facts);
+    let slot = module.header.provides.as_ref().and_then(|name| library.slot(&name.text));
+    if let Some(slot) = slot {
+        resolver.check_contract(module, slot, None);
+    }
+    resolver.report
+}
+
 impl<'l, 'r> Resolver<'l, 'r> {
+    fn new(
+        library: &'l Library,
+        fillings: &'r BTreeMap<String, Filling>,
+        reads: BTreeMap<String, String>,
+        facts: &'r BTreeSet<String>,
+    ) -> Self {
+        Self {
+            library,
+            facts,
+            scopes: vec![Scope {
+                parent: None,
+                fillings,
+                role: Vec::new(),
+                reads,
+                key: None,
+            }],
+            instances: Vec::new(),
+            shapes: HashMap::new(),
+            needed: HashMap::new(),
+            filled: HashMap::new(),
+            defaults: HashMap::new(),
+            defaulting: Vec::new(),
+            needing: Vec::new(),
+            depth: 0,
+            report: Report::default(),
+        }
+    }
+
     /// The instances that fill the slots which a module calls.
     fn slots_of(&mut self, module: &'l Module, scope: usize) -> Vec<(&'l SlotUse, usize)> {
         let mut found = Vec::new();

@@ -1,11 +1,11 @@
-//! From text to IR: parsing, bindings, pruning, validation; and naga's messages in the users' words.
+//! From text to IR: parsing, bindings, pruning, validation.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 
 use meniscus_source::{Diagnostic, Report};
 use naga::valid::{Capabilities, GlobalUse, ModuleInfo, ValidationFlags, Validator};
 
+use crate::explain::{chain_of, explain};
 use crate::library::Library;
 use crate::lexer::Kind;
 use crate::shader::{Binding, BindingKind, Sample, Shader};
@@ -17,20 +17,33 @@ const PARSER_STACK: usize = 64 << 20;
 /// The longest chain of operators or `else if`s that is handed to naga, which recurses on them.
 const MAX_CHAIN: usize = 1000;
 
-pub(crate) fn shader(written: Written, library: &Library) -> Result<Shader, Report> {
-    check_chains(&written)?;
-    let text = written.source.text.as_str();
-    let parsed = std::thread::scope(|scope| {
+/// Runs naga on a stack of its own.
+fn on_large_stack<T: Send>(run: impl FnOnce() -> Result<T, Report> + Send) -> Result<T, Report> {
+    std::thread::scope(|scope| {
         std::thread::Builder::new()
             .stack_size(PARSER_STACK)
-            .spawn_scoped(scope, || parse(&written, library))
+            .spawn_scoped(scope, run)
             .map_err(|error| Report::from(Diagnostic::error(format!("cannot start a parser: {error}"))))?
             .join()
             .unwrap_or_else(|_| {
                 Err(Diagnostic::error("naga gave up on a shader without saying why").into())
             })
-    });
-    let (module, info, stages) = parsed?;
+    })
+}
+
+/// Parses and validates a text without entry points.
+///
+/// # Errors
+/// naga's message, at the place where the cause was written.
+pub(crate) fn check(written: &Written, library: &Library) -> Result<(), Report> {
+    check_chains(written)?;
+    on_large_stack(|| parse(written, library).map(|_| ()))
+}
+
+pub(crate) fn shader(written: Written, library: &Library) -> Result<Shader, Report> {
+    check_chains(&written)?;
+    let text = written.source.text.as_str();
+    let (module, info, stages) = on_large_stack(|| finish(&written, library))?;
     let bindings = bindings(&module, &info, &written.resources, &stages);
     let overrides = written
         .overrides
@@ -56,9 +69,8 @@ pub(crate) fn shader(written: Written, library: &Library) -> Result<Shader, Repo
 /// Which stages use a variable, by its name: vertex, fragment, compute.
 type Stages = BTreeMap<String, [bool; 3]>;
 
-fn parse(written: &Written, library: &Library) -> Result<(naga::Module, ModuleInfo, Stages), Report> {
-    let text = written.source.text.as_str();
-    let mut module = naga::front::wgsl::parse_str(text).map_err(|error| {
+fn parse(written: &Written, library: &Library) -> Result<(naga::Module, ModuleInfo), Report> {
+    let module = naga::front::wgsl::parse_str(&written.source.text).map_err(|error| {
         let labels: Vec<_> = error
             .labels()
             .map(|(span, words)| (span.to_range(), words.to_owned()))
@@ -66,16 +78,28 @@ fn parse(written: &Written, library: &Library) -> Result<(naga::Module, ModuleIn
         let notes: Vec<_> = error.notes().map(str::to_owned).collect();
         explain(written, library, error.message(), labels, &notes)
     })?;
-    let capabilities = Capabilities::empty();
     let unbound = ValidationFlags::all() - ValidationFlags::BINDINGS;
-    let invalid = |error: naga::WithSpan<naga::valid::ValidationError>| {
+    let info = validate(&module, unbound, written, library)?;
+    Ok((module, info))
+}
+
+fn validate(
+    module: &naga::Module,
+    flags: ValidationFlags,
+    written: &Written,
+    library: &Library,
+) -> Result<ModuleInfo, Report> {
+    Validator::new(flags, Capabilities::empty()).validate(module).map_err(|error| {
         let labels = error
             .spans()
             .map(|(span, words)| (span.to_range(), words.clone()))
             .collect();
         explain(written, library, &chain_of(error.as_inner()), labels, &[])
-    };
-    let info = Validator::new(unbound, capabilities).validate(&module).map_err(invalid)?;
+    })
+}
+
+fn finish(written: &Written, library: &Library) -> Result<(naga::Module, ModuleInfo, Stages), Report> {
+    let (mut module, info) = parse(written, library)?;
     let stages = stages(&module, &info);
     for (number, name) in stages.keys().enumerate() {
         let found = module.global_variables.iter_mut().find(|(_, v)| v.name.as_ref() == Some(name));
@@ -87,94 +111,8 @@ fn parse(written: &Written, library: &Library) -> Result<(naga::Module, ModuleIn
         }
     }
     naga::compact::compact(&mut module, naga::compact::KeepUnused::No);
-    let info = Validator::new(ValidationFlags::all(), capabilities).validate(&module).map_err(invalid)?;
+    let info = validate(&module, ValidationFlags::all(), written, library)?;
     Ok((module, info, stages))
-}
-
-/// An error and what caused it, in one line.
-fn chain_of(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut source = error.source();
-    while let Some(cause) = source {
-        text.push_str(": ");
-        text.push_str(&cause.to_string());
-        source = cause.source();
-    }
-    text
-}
-
-/// A message of naga, at the places and in the words of what was written.
-fn explain(
-    written: &Written,
-    library: &Library,
-    message: &str,
-    labels: Vec<(Option<Range<usize>>, String)>,
-    notes: &[String],
-) -> Report {
-    let say = |text: &str| restore(text, &written.originals);
-    let mut diagnostic = Diagnostic::error(say(message));
-    let mut unplaced = Vec::new();
-    let mut first = None;
-    for (range, words) in labels {
-        let Some(range) = range else { continue };
-        match written.source.origin(range.clone()) {
-            Some(place) if first.is_none() => {
-                first = Some(place.clone());
-                diagnostic = diagnostic.at(&place, say(&words));
-            }
-            Some(place) => diagnostic = diagnostic.see(&place, say(&words)),
-            None => unplaced.push(written.source.text.get(range).unwrap_or("").to_owned()),
-        }
-    }
-    for text in unplaced.iter().filter(|_| first.is_none()) {
-        diagnostic = diagnostic.with_help(format!("it shows in the entry points, at `{}`", say(text)));
-    }
-    for note in notes {
-        diagnostic = diagnostic.with_help(say(note));
-    }
-    if let Some(place) = &first {
-        let word = place.text().to_owned();
-        let owners: Vec<_> = library
-            .modules()
-            .filter(|m| m.role() == crate::Role::Shared && m.item(&word).is_some())
-            .filter(|m| m.file != place.file)
-            .map(|m| format!("`{}`", m.path))
-            .collect();
-        if message.contains("no definition in scope") && !owners.is_empty() {
-            diagnostic = diagnostic.with_help(format!(
-                "{} declares `{word}`: add it to `// needs: …` in {}",
-                owners.join(" or "),
-                place.file.name
-            ));
-        }
-        let asked = written
-            .modules
-            .iter()
-            .filter(|(path, _)| library.get(path).is_some_and(|m| m.file == place.file))
-            .find_map(|(_, asked)| asked.as_ref());
-        if let Some(asked) = asked {
-            diagnostic = diagnostic.see(asked, "the module is used here");
-        }
-    }
-    diagnostic.into()
-}
-
-/// Puts the names that were written in the place of those of the composed text.
-fn restore(text: &str, originals: &BTreeMap<String, String>) -> String {
-    let mut restored = String::new();
-    let mut at = 0;
-    for token in crate::lexer::tokens(text) {
-        if token.kind != Kind::Word {
-            continue;
-        }
-        if let Some(original) = originals.get(&text[token.range.clone()]) {
-            restored.push_str(&text[at..token.range.start]);
-            restored.push_str(original);
-            at = token.range.end;
-        }
-    }
-    restored.push_str(&text[at..]);
-    restored
 }
 
 fn stages(module: &naga::Module, info: &ModuleInfo) -> Stages {

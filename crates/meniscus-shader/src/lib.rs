@@ -5,9 +5,11 @@
 //! [`Recipe`] (a skeleton and what fills its slots) into a [`Shader`]: one text, validated by
 //! naga, with the bindings assigned. See this crate's README for the module format.
 
+mod check;
 mod compose;
 mod contract;
 mod entry;
+mod explain;
 mod filling;
 mod header;
 mod instance;

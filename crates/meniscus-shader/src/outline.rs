@@ -24,8 +24,6 @@ pub(crate) struct Item {
     pub name_range: Range<usize>,
     /// From its attributes to its closing brace or semicolon.
     pub range: Range<usize>,
-    /// Indices into the outline's tokens.
-    pub tokens: Range<usize>,
     /// Those of the tokens that are names of items, of locals, or of WGSL's own things: not members,
     /// not attributes.
     pub words: Vec<usize>,
@@ -143,7 +141,6 @@ impl Outline {
                     name,
                     name_range,
                     range,
-                    tokens: start..end,
                 });
             }
             // A lone semicolon is allowed.

@@ -1,0 +1,90 @@
+//! Modules by themselves: each with its own closure, so that no other module hides what is missing,
+//! and so that three broken modules give three reports.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use meniscus_source::ron::Spanned;
+use meniscus_source::{Diagnostic, Report};
+
+use crate::compose::{Composer, Output, Recipe, Stage};
+use crate::library::{Library, Module, Role};
+use crate::{instance, ir, text};
+
+impl Composer {
+    /// Checks one module with what it needs, its slots filled by their default bodies: that it is
+    /// valid WGSL, that it needs what it uses, that it fills its slot. Needs that it does not use
+    /// are warned of. For a skeleton, the entry points with all its outputs are checked too.
+    pub fn check_module(&self, path: &str) -> Report {
+        let library = self.library();
+        let module = match library.find(path, None) {
+            Ok(module) => module,
+            Err(unknown) => return unknown.into(),
+        };
+        let mut report = unused_needs(library, module);
+        if module.role() == Role::Filling {
+            report.extend(instance::check_filling(library, module));
+        }
+        let alone = instance::resolve(library, module, None, &BTreeMap::new(), BTreeMap::new(), &BTreeSet::new())
+            .and_then(|instances| text::write_module(&instances))
+            .and_then(|written| ir::check(&written, library));
+        let sound = alone.is_ok();
+        report.extend(alone.err().unwrap_or_default());
+        if sound && module.role() == Role::Skeleton {
+            report.extend(self.compose(&all_outputs(module)).err().unwrap_or_default());
+        }
+        report
+    }
+
+    /// Checks every module of the library by itself, in the order of their paths; see
+    /// [`Composer::check_module`]. What [`Library::new`] reports is not repeated.
+    pub fn check_library(&self) -> Report {
+        let mut report = Report::default();
+        for module in self.library().modules() {
+            report.extend(self.check_module(&module.path));
+        }
+        report
+    }
+}
+
+/// A skeleton with every output and the slots' defaults.
+fn all_outputs(skeleton: &Module) -> Recipe {
+    Recipe {
+        skeleton: Spanned::unplaced(skeleton.path.clone()),
+        slots: BTreeMap::new(),
+        reads: BTreeMap::new(),
+        outputs: skeleton
+            .header
+            .outputs
+            .iter()
+            .map(|name| Output {
+                name: Spanned { value: name.text.clone(), place: Some(name.place.clone()) },
+                format: "rgba16float".into(),
+            })
+            .collect(),
+        facts: BTreeSet::new(),
+        stage: Stage::Render,
+    }
+}
+
+/// Warnings about needs of which no name is used.
+fn unused_needs(library: &Library, module: &Module) -> Report {
+    let outline = &module.outline;
+    let used: BTreeSet<&str> = outline
+        .items
+        .iter()
+        .flat_map(|item| &item.words)
+        .map(|&index| &module.file.text[outline.tokens[index].range.clone()])
+        .collect();
+    let mut report = Report::default();
+    for need in &module.header.needs {
+        let Some(needed) = library.get(&need.text) else { continue };
+        if !needed.outline.items.iter().any(|item| used.contains(item.name.as_str())) {
+            report.add(
+                Diagnostic::warning(format!("`{}` needs `{}` and uses nothing of it", module.path, need.text))
+                    .at(&need.place, "not used")
+                    .with_help("leave it out"),
+            );
+        }
+    }
+    report
+}
