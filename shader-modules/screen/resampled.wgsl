@@ -1,9 +1,10 @@
 // Fetches the colour that was drawn where the hit appears in the seen buffers.
-// Bilinear, clamped to the buffers; `shown` is fetched with the colour's own texels and weights,
-// from the nearest texel where they show different objects.
+// Bilinear, clamped to the buffers, over the texels that show anything (alpha 1); where none does,
+// at the water's edge, the nearest neighbour that does. `shown` is fetched with the colour's own
+// texels and weights, from the nearest texel where they show different objects.
 //
 // provides: colour
-// needs: geometry/ray, geometry/hit, sky/gradient
+// needs: geometry/ray, geometry/hit, screen/neighbours, sky/gradient
 
 var seen_colour: texture_2d<f32>;
 var shown_of_seen_colour: texture_2d<f32>;
@@ -13,8 +14,13 @@ fn colour(hit: Hit, ray: Ray) -> vec3f {
     if !hit.found {
         return sky_colour(ray.direction);
     }
-    let size = vec2f(textureDimensions(seen_colour));
-    return textureSampleLevel(seen_colour, linear_sampler, hit.texel / size, 0.0).rgb;
+    let size = textureDimensions(seen_colour);
+    var drawn = textureSampleLevel(seen_colour, linear_sampler, hit.texel / vec2f(size), 0.0);
+    for (var i = 0; i < NEIGHBOURS && drawn.a < 0.01; i++) {
+        let texel = vec2i(floor(hit.texel)) + neighbour(i);
+        drawn = textureLoad(seen_colour, clamp(texel, vec2i(0), vec2i(size) - 1), 0);
+    }
+    return drawn.rgb / max(drawn.a, 0.01);
 }
 
 fn shown(hit: Hit, ray: Ray) -> vec4f {
@@ -23,7 +29,10 @@ fn shown(hit: Hit, ray: Ray) -> vec4f {
     }
     let last = vec2i(textureDimensions(shown_of_seen_colour)) - 1;
     let texel = clamp(hit.texel, vec2f(0.5), vec2f(last) + 0.5);
-    let nearest = textureLoad(shown_of_seen_colour, vec2i(texel), 0);
+    var nearest = textureLoad(shown_of_seen_colour, vec2i(texel), 0);
+    for (var i = 0; i < NEIGHBOURS && nearest.w < 0.0; i++) {
+        nearest = textureLoad(shown_of_seen_colour, clamp(vec2i(texel) + neighbour(i), vec2i(0), last), 0);
+    }
     let corner = floor(texel - 0.5);
     let part = texel - 0.5 - corner;
     var sum = vec3f(0.0);

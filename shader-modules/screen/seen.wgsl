@@ -1,7 +1,7 @@
 // What was drawn of the far side of the water: positions, normals and ids.
 // World space, metres; texels with centres at half integers. Where nothing was drawn the id is −1.
 //
-// needs: geometry/octahedral
+// needs: geometry/octahedral, screen/neighbours
 
 var seen_position: texture_2d<f32>;
 var seen_normal: texture_2d<f32>;
@@ -14,12 +14,17 @@ struct Seen {
     object: f32,
 }
 
-// The point seen at a place of the seen buffers, clamped to them. The position is bilinear over
-// the texels that show the same object as the nearest one; the normals are the nearest texel's.
+// The point seen at a place of the seen buffers, clamped to them; at the water's edge, where the
+// nearest texel may show nothing, that of a neighbour. The position is bilinear over the texels
+// that show the same object; the normals are the nearest texel's.
 fn seen_at(texel: vec2f) -> Seen {
     let last = vec2i(textureDimensions(seen_position)) - 1;
-    let nearest = clamp(vec2i(floor(texel)), vec2i(0), last);
-    let kept = textureLoad(seen_position, nearest, 0);
+    var nearest = clamp(vec2i(floor(texel)), vec2i(0), last);
+    var kept = textureLoad(seen_position, nearest, 0);
+    for (var i = 0; i < NEIGHBOURS && kept.w < 0.0; i++) {
+        nearest = clamp(vec2i(floor(texel)) + neighbour(i), vec2i(0), last);
+        kept = textureLoad(seen_position, nearest, 0);
+    }
     let corner = floor(texel - 0.5);
     let part = clamp(texel - 0.5 - corner, vec2f(0.0), vec2f(1.0));
     var sum = vec4f(0.0);

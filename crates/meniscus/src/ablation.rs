@@ -115,7 +115,12 @@ impl Ablation {
     ///
     /// # Errors
     /// See [`AblationError`].
-    pub fn run(&self, project: &Project, gpu: &Gpu, progress: &Progress) -> Result<Outcome, AblationError> {
+    pub fn run(
+        &self,
+        project: &Project,
+        gpu: &Gpu,
+        progress: &Progress,
+    ) -> Result<Outcome, AblationError> {
         check_size(gpu, self.size)?;
         let size = UVec2::from_array(self.size);
         let view = self.scene.camera.view(size);
@@ -130,20 +135,27 @@ impl Ablation {
         };
         let mut subjects = Vec::new();
         for (index, pipeline) in self.pipelines.iter().enumerate() {
-            progress("preparing pipelines", index as f64 / self.pipelines.len() as f64);
+            progress(
+                "preparing pipelines",
+                index as f64 / self.pipelines.len() as f64,
+            );
             subjects.push(Subject::new(pipeline, &stage)?);
         }
         let true_scene = Scene {
             water: self.scene.water.with_geometry(self.truth),
             ..self.scene.clone()
         };
-        let traced = Tracer::new(&true_scene).trace(&view, &|part| progress("tracing the truth", part));
+        let traced =
+            Tracer::new(&true_scene).trace(&view, &|part| progress("tracing the truth", part));
         let timings = self.time(&mut subjects, progress)?;
         let context = Judging::new(self, &traced, &true_scene, view);
         let mut rows = Vec::new();
         let mut found = Vec::new();
         for (index, subject) in subjects.iter_mut().enumerate() {
-            progress("comparing with the truth", index as f64 / self.pipelines.len() as f64);
+            progress(
+                "comparing with the truth",
+                index as f64 / self.pipelines.len() as f64,
+            );
             let outcome = context.judge(subject, &stage)?;
             let row = self.row(subject, index, &timings, &outcome)?;
             found.push(row);
@@ -174,7 +186,11 @@ impl Ablation {
     }
 
     /// Frames of all subjects in turn, in an order that changes from round to round.
-    fn time(&self, subjects: &mut [Subject], progress: &Progress) -> Result<Vec<Vec<FrameTiming>>, AblationError> {
+    fn time(
+        &self,
+        subjects: &mut [Subject],
+        progress: &Progress,
+    ) -> Result<Vec<Vec<FrameTiming>>, AblationError> {
         let mut timings: Vec<Vec<FrameTiming>> = subjects.iter().map(|_| Vec::new()).collect();
         let all = self.rounds.warm_up + self.rounds.counted;
         for round in 0..all {
@@ -199,26 +215,49 @@ impl Ablation {
         // One clock for all rows, or their ratios would compare clocks.
         let every: Vec<FrameTiming> = timings.iter().flatten().cloned().collect();
         let clock = gpu::Timer::of(&every);
-        let timing = |index: usize| Timing::new(timings[index].iter().map(|f| f.ms(clock)).collect());
+        let timing =
+            |index: usize| Timing::new(timings[index].iter().map(|f| f.ms(clock)).collect());
         let own = timing(index)?;
         let relative = match self.baseline {
-            Some(baseline) => Some(relative_time(&own, &timing(baseline)?, &self.pipelines[baseline].name)?),
+            Some(baseline) => Some(relative_time(
+                &own,
+                &timing(baseline)?,
+                &self.pipelines[baseline].name,
+            )?),
             None => None,
         };
-        let passes = subject.frame.plan().passes.iter().enumerate().filter_map(|(pass, planned)| {
-            let ms: Vec<f64> = timings[index].iter().filter_map(|f| f.passes.get(pass)?.ms).collect();
-            Some(PassMs {
-                name: planned.name.clone(),
-                ms: median(&ms)?,
-            })
-        });
+        let passes =
+            subject
+                .frame
+                .plan()
+                .passes
+                .iter()
+                .enumerate()
+                .filter_map(|(pass, planned)| {
+                    let ms: Vec<f64> = timings[index]
+                        .iter()
+                        .filter_map(|f| f.passes.get(pass)?.ms)
+                        .collect();
+                    Some(PassMs {
+                        name: planned.name.clone(),
+                        ms: median(&ms)?,
+                    })
+                });
         let counted = subject.frame.counters()?;
         let mut more = Map::new();
         more.insert("dispatches".into(), json!(counted.dispatches));
-        more.insert("compute_invocations".into(), json!(counted.compute_invocations));
+        more.insert(
+            "compute_invocations".into(),
+            json!(counted.compute_invocations),
+        );
         more.insert("texture_bytes".into(), json!(counted.texture_bytes));
         more.insert("buffer_bytes".into(), json!(counted.buffer_bytes));
-        let hashes = subject.frame.plan().passes.iter().map(|p| (p.name.clone(), json!(p.shader.hash)));
+        let hashes = subject
+            .frame
+            .plan()
+            .passes
+            .iter()
+            .map(|p| (p.name.clone(), json!(p.shader.hash)));
         let mut row_more = Map::new();
         row_more.insert("shaders".into(), Value::Object(hashes.collect()));
         Ok(Row {
@@ -311,11 +350,19 @@ fn provenance(gpu: &Gpu) -> Map<String, Value> {
     let facts = gpu.facts();
     let entries = [
         ("adapter", facts.name.clone()),
-        ("driver", format!("{} {}", facts.driver, facts.driver_info).trim().to_owned()),
+        (
+            "driver",
+            format!("{} {}", facts.driver, facts.driver_info)
+                .trim()
+                .to_owned(),
+        ),
         ("backend", facts.backend.clone()),
         ("device_type", facts.device_type.clone()),
         ("meniscus", env!("CARGO_PKG_VERSION").to_owned()),
         ("commit", crate::COMMIT.to_owned()),
     ];
-    entries.into_iter().map(|(key, value)| (key.to_owned(), json!(value))).collect()
+    entries
+        .into_iter()
+        .map(|(key, value)| (key.to_owned(), json!(value)))
+        .collect()
 }

@@ -18,5 +18,9 @@ pub fn facts_of(scene: &Scene) -> Facts {
         ("displaced", displaced),
         ("camera_submerged", eye.z < level),
     ];
-    Facts::new(held.into_iter().filter(|(_, holds)| *holds).map(|(name, _)| name))
+    Facts::new(
+        held.into_iter()
+            .filter(|(_, holds)| *holds)
+            .map(|(name, _)| name),
+    )
 }

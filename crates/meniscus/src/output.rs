@@ -16,7 +16,10 @@ const MAP_PIXELS: (f64, f64) = (0.01, 100.0);
 /// A pipeline's name as a part of a file's name.
 fn file_name(pipeline: &str) -> String {
     let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.' | '=' | ',');
-    pipeline.chars().map(|c| if allowed(c) { c } else { '-' }).collect()
+    pipeline
+        .chars()
+        .map(|c| if allowed(c) { c } else { '-' })
+        .collect()
 }
 
 /// Writes pictures, error maps, the figure of time against error, tables, and what a stranger's
@@ -27,8 +30,10 @@ fn file_name(pipeline: &str) -> String {
 /// # Errors
 /// When a file cannot be written.
 pub fn write_directory(folder: &Path, outcome: &Outcome) -> Result<(), MeasureError> {
-    std::fs::create_dir_all(folder)
-        .map_err(|source| MeasureError::File { path: folder.to_owned(), source })?;
+    std::fs::create_dir_all(folder).map_err(|source| MeasureError::File {
+        path: folder.to_owned(),
+        source,
+    })?;
     let results = &outcome.results;
     let [width, height] = results.size;
     let shape = [height as usize, width as usize, 4];
@@ -43,10 +48,19 @@ pub fn write_directory(folder: &Path, outcome: &Outcome) -> Result<(), MeasureEr
         let shown = npy_bytes(&shape, NpyData::F32(row.shown.as_flattened()))?;
         write_atomically(&path(".shown.npy"), &shown)?;
     }
-    write_png(&folder.join("truth.png"), results.size, &to_srgb8(&outcome.truth.colour))?;
+    write_png(
+        &folder.join("truth.png"),
+        results.size,
+        &to_srgb8(&outcome.truth.colour),
+    )?;
     let points = outcome.truth.point.iter().zip(&outcome.truth.object);
-    let truth: Vec<f64> = points.flat_map(|(p, id)| [p[0], p[1], p[2], f64::from(*id)]).collect();
-    write_atomically(&folder.join("truth.npy"), &npy_bytes(&shape, NpyData::F64(&truth))?)?;
+    let truth: Vec<f64> = points
+        .flat_map(|(p, id)| [p[0], p[1], p[2], f64::from(*id)])
+        .collect();
+    write_atomically(
+        &folder.join("truth.npy"),
+        &npy_bytes(&shape, NpyData::F64(&truth))?,
+    )?;
     for (name, mask) in [
         ("water.npy", &outcome.truth.water_first),
         ("undefined.npy", &outcome.truth.undefined),
@@ -55,8 +69,12 @@ pub fn write_directory(folder: &Path, outcome: &Outcome) -> Result<(), MeasureEr
         let bytes = npy_bytes(&shape[..2], NpyData::Bool(mask))?;
         write_atomically(&folder.join(name), &bytes)?;
     }
-    let scene = serde_json::to_vec(&outcome.scene.export(&outcome.view))
-        .map_err(|error| MeasureError::Value { what: "scene.json".into(), problem: error.to_string() })?;
+    let scene = serde_json::to_vec(&outcome.scene.export(&outcome.view)).map_err(|error| {
+        MeasureError::Value {
+            what: "scene.json".into(),
+            problem: error.to_string(),
+        }
+    })?;
     write_atomically(&folder.join("scene.json"), &scene)?;
     write_atomically(&folder.join("results.json"), results.to_json()?.as_bytes())?;
     let table = Table::of(results);

@@ -29,7 +29,13 @@ impl Picture {
     ///
     /// # Errors
     /// When the pipeline does not compose, the size is 0 or too large, or the GPU refuses.
-    pub fn render(project: &Project, gpu: &Gpu, pipeline: &Pipeline, scene: &Scene, size: [u32; 2]) -> Result<Self, PictureError> {
+    pub fn render(
+        project: &Project,
+        gpu: &Gpu,
+        pipeline: &Pipeline,
+        scene: &Scene,
+        size: [u32; 2],
+    ) -> Result<Self, PictureError> {
         check_size(gpu, size)?;
         let stage = Stage {
             gpu,

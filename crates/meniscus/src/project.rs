@@ -44,7 +44,10 @@ fn embedded(dir: &Dir, prefix: &str, ending: &str, found: &mut Files) {
         let path = file.path().to_string_lossy().replace('\\', "/");
         let stem = path.strip_suffix(ending).and_then(|p| p.strip_suffix('.'));
         if let (Some(stem), Some(text)) = (stem, file.contents_utf8()) {
-            found.push((stem.to_owned(), SourceFile::new(format!("{prefix}/{path}"), text)));
+            found.push((
+                stem.to_owned(),
+                SourceFile::new(format!("{prefix}/{path}"), text),
+            ));
         }
     }
     for inner in dir.dirs() {
@@ -53,7 +56,13 @@ fn embedded(dir: &Dir, prefix: &str, ending: &str, found: &mut Files) {
 }
 
 /// Embedded files, then those of folders, which replace them.
-fn collect(dir: &Dir, prefix: &str, ending: &str, folders: &[PathBuf], report: &mut Report) -> Files {
+fn collect(
+    dir: &Dir,
+    prefix: &str,
+    ending: &str,
+    folders: &[PathBuf],
+    report: &mut Report,
+) -> Files {
     let mut found = Files::new();
     embedded(dir, prefix, ending, &mut found);
     for folder in folders {
@@ -66,7 +75,9 @@ fn collect(dir: &Dir, prefix: &str, ending: &str, folders: &[PathBuf], report: &
 }
 
 fn borrowed(files: &Files) -> impl Iterator<Item = (&str, Arc<SourceFile>)> {
-    files.iter().map(|(name, file)| (name.as_str(), file.clone()))
+    files
+        .iter()
+        .map(|(name, file)| (name.as_str(), file.clone()))
 }
 
 impl Project {
@@ -76,12 +87,26 @@ impl Project {
     /// When a directory or file cannot be read.
     pub fn open(sources: &Sources) -> Result<Self, Report> {
         let mut report = Report::default();
-        let modules = collect(&MODULES, "shader-modules", "wgsl", &sources.modules, &mut report);
-        let pipelines = collect(&PIPELINES, "pipelines", "ron", &sources.pipelines, &mut report);
+        let modules = collect(
+            &MODULES,
+            "shader-modules",
+            "wgsl",
+            &sources.modules,
+            &mut report,
+        );
+        let pipelines = collect(
+            &PIPELINES,
+            "pipelines",
+            "ron",
+            &sources.pipelines,
+            &mut report,
+        );
         let mut built_in = Files::new();
         embedded(&SCENES, "examples/scenes", "ron", &mut built_in);
         let mut scenes = SceneLibrary::new(
-            built_in.iter().map(|(_, file)| SceneSource::embedded(&file.name, &file.text)),
+            built_in
+                .iter()
+                .map(|(_, file)| SceneSource::embedded(&file.name, &file.text)),
         );
         for folder in &sources.scenes {
             if let Err(wrong) = scenes.add_directory(folder) {
@@ -118,15 +143,20 @@ impl Project {
         for pattern in patterns {
             let found: Vec<String> = match pattern.strip_suffix('*') {
                 Some(start) => {
-                    let matching = self.pipelines.names().filter(|name| name.starts_with(start));
+                    let matching = self
+                        .pipelines
+                        .names()
+                        .filter(|name| name.starts_with(start));
                     matching.map(str::to_owned).collect()
                 }
                 None => vec![pattern.clone()],
             };
             if found.is_empty() {
-                return Err(Diagnostic::error(format!("no pipeline matches `{pattern}`"))
-                    .with_suggestion(pattern, self.pipelines.names())
-                    .into());
+                return Err(
+                    Diagnostic::error(format!("no pipeline matches `{pattern}`"))
+                        .with_suggestion(pattern, self.pipelines.names())
+                        .into(),
+                );
             }
             for name in found {
                 if !names.contains(&name) {

@@ -24,7 +24,9 @@ pub(crate) fn order(round: u32, count: usize) -> Vec<usize> {
     let mut state = u64::from(round) ^ 0x9e37_79b9_7f4a_7c15;
     for index in (1..count).rev() {
         // Knuth's linear congruential generator; its high bits choose.
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         order.swap(index, (state >> 33) as usize % (index + 1));
     }
     order

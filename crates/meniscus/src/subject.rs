@@ -33,7 +33,13 @@ impl Subject {
         let shown = Plan::new(pipeline, stage.composer, &stage.facts, true)?;
         Ok(Self {
             name: pipeline.name.clone(),
-            frame: Frame::new(stage.gpu, &plan, stage.scene.clone(), stage.size, stage.cache)?,
+            frame: Frame::new(
+                stage.gpu,
+                &plan,
+                stage.scene.clone(),
+                stage.size,
+                stage.cache,
+            )?,
             shown,
         })
     }
@@ -50,11 +56,20 @@ impl Subject {
         let Some(texture) = self.shown.shown.clone() else {
             return Ok(Vec::new());
         };
-        let mut frame =
-            Frame::new(stage.gpu, &self.shown, stage.scene.clone(), stage.size, stage.cache)?;
+        let mut frame = Frame::new(
+            stage.gpu,
+            &self.shown,
+            stage.scene.clone(),
+            stage.size,
+            stage.cache,
+        )?;
         frame.render()?;
         let pixels = frame.read(&texture)?;
-        Ok(pixels.data.chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect())
+        Ok(pixels
+            .data
+            .chunks_exact(4)
+            .map(|p| [p[0], p[1], p[2], p[3]])
+            .collect())
     }
 }
 

@@ -20,7 +20,12 @@ pub(crate) fn seen(truth: &Truth) -> Vec<Seen> {
 
 /// Where points appear through flat water; through the mirrored camera where the true ray was
 /// totally reflected.
-pub(crate) fn project(points: &[Seen], truth: &Truth, scene: &Scene, view: &View) -> Vec<Option<[f64; 2]>> {
+pub(crate) fn project(
+    points: &[Seen],
+    truth: &Truth,
+    scene: &Scene,
+    view: &View,
+) -> Vec<Option<[f64; 2]>> {
     points
         .iter()
         .zip(&truth.total)

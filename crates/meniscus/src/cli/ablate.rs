@@ -60,15 +60,24 @@ fn prepare(project: &Project, ablate: &Ablate) -> Result<Ablation, Failure> {
     let mut pipelines = combine(pipelines, &ablate.attempts)?;
     // The baseline comes first, so that the table begins with it.
     pipelines.sort_by_key(|pipeline| !pipeline.baseline);
-    let baseline = match &ablate.baseline {
-        Some(name) => Some(pipelines.iter().position(|p| p.name == *name).ok_or_else(|| {
-            Diagnostic::error(format!("the baseline `{name}` is not among the pipelines that run"))
-                .with_suggestion(name, pipelines.iter().map(|p| p.name.as_str()))
-        })?),
-        None => pipelines.iter().position(|pipeline| pipeline.baseline),
-    };
+    let baseline =
+        match &ablate.baseline {
+            Some(name) => Some(pipelines.iter().position(|p| p.name == *name).ok_or_else(
+                || {
+                    Diagnostic::error(format!(
+                        "the baseline `{name}` is not among the pipelines that run"
+                    ))
+                    .with_suggestion(name, pipelines.iter().map(|p| p.name.as_str()))
+                },
+            )?),
+            None => pipelines.iter().position(|pipeline| pipeline.baseline),
+        };
     let mut scene = ablate.look.scene(project)?;
-    let chosen = ablate.look.set.iter().any(|set| set.trim_start().starts_with("water.geometry"));
+    let chosen = ablate
+        .look
+        .set
+        .iter()
+        .any(|set| set.trim_start().starts_with("water.geometry"));
     let truth = ablate.truth.map_or(scene.water.geometry, Into::into);
     if !chosen {
         scene.water.geometry = truth;

@@ -15,13 +15,28 @@ use super::Failure;
 #[command(name = "meniscus", version, max_term_width = 100)]
 pub(crate) struct Arguments {
     /// A folder of WGSL modules that add to the built-in ones, or replace those of the same path.
-    #[arg(long, global = true, value_name = "DIR")]
+    #[arg(
+        long = "modules",
+        id = "modules_folders",
+        global = true,
+        value_name = "DIR"
+    )]
     modules: Vec<PathBuf>,
     /// A folder of pipelines in RON, likewise.
-    #[arg(long, global = true, value_name = "DIR")]
+    #[arg(
+        long = "pipelines",
+        id = "pipelines_folders",
+        global = true,
+        value_name = "DIR"
+    )]
     pipelines: Vec<PathBuf>,
     /// A folder of scenes in RON, likewise.
-    #[arg(long, global = true, value_name = "DIR")]
+    #[arg(
+        long = "scenes",
+        id = "scenes_folders",
+        global = true,
+        value_name = "DIR"
+    )]
     scenes: Vec<PathBuf>,
     #[command(subcommand)]
     pub command: Command,
@@ -183,7 +198,9 @@ fn size(text: &str) -> Result<[u32; 2], String> {
     let number = |text: &str| text.trim().parse::<u32>().map_err(|_| wrong());
     let size = [number(width)?, number(height)?];
     match size.contains(&0) {
-        true => Err(format!("a picture of {text} has no pixels; width and height begin at 1")),
+        true => Err(format!(
+            "a picture of {text} has no pixels; width and height begin at 1"
+        )),
         false => Ok(size),
     }
 }
@@ -209,10 +226,13 @@ impl Look {
 
 /// Splits `KEY=VALUE`.
 pub(crate) fn key_value<'a>(option: &str, text: &'a str) -> Result<(&'a str, &'a str), Diagnostic> {
-    text.split_once('=').filter(|(key, _)| !key.trim().is_empty()).ok_or_else(|| {
-        Diagnostic::error(format!("`{option} {text}`: KEY=VALUE is wanted"))
-            .with_help(format!("for example {option} narrow.deflect=optics/refracted_ray"))
-    })
+    text.split_once('=')
+        .filter(|(key, _)| !key.trim().is_empty())
+        .ok_or_else(|| {
+            Diagnostic::error(format!("`{option} {text}`: KEY=VALUE is wanted")).with_help(format!(
+                "for example {option} narrow.deflect=optics/refracted_ray"
+            ))
+        })
 }
 
 impl Changes {

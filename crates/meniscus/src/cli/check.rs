@@ -32,12 +32,22 @@ pub(crate) fn check(project: &Project, check: &Check) -> Result<(), Failure> {
     if !report.0.is_empty() {
         eprintln!("{}", report.to_string().trim_end());
     }
-    let errors = report.0.iter().filter(|d| d.severity == meniscus::source::Severity::Error).count();
+    let errors = report
+        .0
+        .iter()
+        .filter(|d| d.severity == meniscus::source::Severity::Error)
+        .count();
     if errors > 0 {
-        return Err(Failure::Written(format!("{errors} errors in {} pipelines", names.len())));
+        return Err(Failure::Written(format!(
+            "{errors} errors in {} pipelines",
+            names.len()
+        )));
     }
     let shaders = project.composer.composed();
-    println!("{} pipelines, {passes} passes under all facts, {shaders} shaders: all valid", names.len());
+    println!(
+        "{} pipelines, {passes} passes under all facts, {shaders} shaders: all valid",
+        names.len()
+    );
     Ok(())
 }
 
@@ -46,13 +56,20 @@ pub(crate) fn compose(project: &Project, compose: &Compose) -> Result<(), Failur
     compose.changes.apply(&mut pipelines)?;
     let facts = Facts::new(compose.facts.iter().map(String::as_str));
     let plan = Plan::new(&pipelines[0], &project.composer, &facts, true)?;
-    let pass = plan.passes.iter().find(|pass| pass.name == compose.pass).ok_or_else(|| {
-        let names = plan.passes.iter().map(|pass| pass.name.as_str());
-        Report::from(
-            Diagnostic::error(format!("`{}` has no pass `{}`", compose.pipeline, compose.pass))
+    let pass = plan
+        .passes
+        .iter()
+        .find(|pass| pass.name == compose.pass)
+        .ok_or_else(|| {
+            let names = plan.passes.iter().map(|pass| pass.name.as_str());
+            Report::from(
+                Diagnostic::error(format!(
+                    "`{}` has no pass `{}`",
+                    compose.pipeline, compose.pass
+                ))
                 .with_suggestion(&compose.pass, names),
-        )
-    })?;
+            )
+        })?;
     print!("{}", pass.shader.text);
     Ok(())
 }

@@ -13,20 +13,57 @@ pub(crate) fn run(project: &Project, list: &List) -> Result<(), Failure> {
         false => list.what.contains(&what),
     };
     if wanted(Listed::Slots) {
-        print("slots", modules(project, |role| role == Role::Slot, |path| path.trim_start_matches("slots/")));
+        print(
+            "slots",
+            modules(
+                project,
+                |role| role == Role::Slot,
+                |path| path.trim_start_matches("slots/"),
+            ),
+        );
     }
     if wanted(Listed::Modules) {
-        print("modules", modules(project, |role| role != Role::Slot, |path| path));
+        print(
+            "modules",
+            modules(project, |role| role != Role::Slot, |path| path),
+        );
     }
     if wanted(Listed::Pipelines) {
         let names = project.pipelines.names();
-        print("pipelines", names.map(|name| (name.to_owned(), about(project.pipeline(name).map(|p| p.about)))).collect());
+        print(
+            "pipelines",
+            names
+                .map(|name| {
+                    (
+                        name.to_owned(),
+                        about(project.pipeline(name).map(|p| p.about)),
+                    )
+                })
+                .collect(),
+        );
     }
     if wanted(Listed::Scenes) {
-        print("scenes", project.scenes.iter().map(|scene| (scene.name.clone(), about(scene.about()))).collect());
+        print(
+            "scenes",
+            project
+                .scenes
+                .iter()
+                .map(|scene| (scene.name.clone(), about(scene.about())))
+                .collect(),
+        );
     }
     if wanted(Listed::Settings) {
-        print("settings", keys().map(|key| (key.name.to_owned(), format!("{} ({})", key.meaning, key.values))).collect());
+        print(
+            "settings",
+            keys()
+                .map(|key| {
+                    (
+                        key.name.to_owned(),
+                        format!("{} ({})", key.meaning, key.values),
+                    )
+                })
+                .collect(),
+        );
     }
     Ok(())
 }
@@ -36,7 +73,11 @@ fn about(said: Result<String, meniscus::source::Report>) -> String {
     said.unwrap_or_else(|_| "(does not read: see `meniscus check`)".to_owned())
 }
 
-fn modules(project: &Project, role: impl Fn(Role) -> bool, name: impl Fn(&str) -> &str) -> Vec<(String, String)> {
+fn modules(
+    project: &Project,
+    role: impl Fn(Role) -> bool,
+    name: impl Fn(&str) -> &str,
+) -> Vec<(String, String)> {
     project
         .composer
         .library()

@@ -25,8 +25,12 @@ impl Bar {
 
     /// Says what is being done, and how much of it is done (0 to 1).
     pub fn tell(&self, what: &str, part: f64) {
-        self.bar.set_position((1000.0 * part.clamp(0.0, 1.0)) as u64);
-        let mut last = self.last.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        self.bar
+            .set_position((1000.0 * part.clamp(0.0, 1.0)) as u64);
+        let mut last = self
+            .last
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
         if *last != what {
             what.clone_into(&mut last);
             self.bar.set_message(what.to_owned());
