@@ -1,7 +1,7 @@
 // z of the waves' own surface. World space, metres.
 //
 // provides: level
-// needs: water/body, water/shape
+// needs: water/body
 // slots: surface
 
 fn level(at: vec2f) -> f32 {

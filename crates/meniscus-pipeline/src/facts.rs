@@ -8,7 +8,10 @@ use meniscus_source::{Diagnostic, Report};
 /// Facts that `when` rules may refer to, with what they mean.
 pub const KNOWN: &[(&str, &str)] = &[
     ("waves", "the water's slopes are not all zero"),
-    ("displaced", "rays meet the waves themselves, not the rest plane"),
+    (
+        "displaced",
+        "rays meet the waves themselves, not the rest plane",
+    ),
     ("camera_submerged", "the eye is under the water"),
 ];
 
@@ -20,7 +23,13 @@ impl Facts {
     /// Those of the named facts that are known ones.
     pub fn new<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
         let names: BTreeSet<&str> = names.into_iter().collect();
-        Self(KNOWN.iter().map(|(name, _)| *name).filter(|name| names.contains(name)).collect())
+        Self(
+            KNOWN
+                .iter()
+                .map(|(name, _)| *name)
+                .filter(|name| names.contains(name))
+                .collect(),
+        )
     }
 
     /// Every combination of facts that a scene can have.
@@ -56,7 +65,9 @@ impl Facts {
                 if let Some(place) = &rule.place {
                     unknown = unknown.at(place, "unknown fact");
                 }
-                return Err(unknown.with_suggestion(name, KNOWN.iter().map(|(known, _)| *known)).into());
+                return Err(unknown
+                    .with_suggestion(name, KNOWN.iter().map(|(known, _)| *known))
+                    .into());
             }
             all &= self.0.contains(name) == wanted;
         }
@@ -76,6 +87,11 @@ mod tests {
         assert_eq!(hold("waves and not displaced"), Ok(true));
         assert_eq!(hold("not waves"), Ok(false));
         assert_eq!(hold("waves and displaced"), Ok(false));
-        assert!(hold("wafes").unwrap_err().to_string().contains("did you mean `waves`?"));
+        assert!(
+            hold("wafes")
+                .unwrap_err()
+                .to_string()
+                .contains("did you mean `waves`?")
+        );
     }
 }

@@ -200,11 +200,16 @@ impl<'de> Deserialize<'de> for Value {
                 Ok(Value::Module(value.to_owned()))
             }
             fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Value, A::Error> {
-                let missing = |what: &str| serde::de::Error::custom(format!("{what} is missing in (\"module\", {{ … }})"));
+                let missing = |what: &str| {
+                    serde::de::Error::custom(format!("{what} is missing in (\"module\", {{ … }})"))
+                };
                 let module = seq.next_element()?.ok_or_else(|| missing("the module"))?;
                 let within = seq.next_element()?.ok_or_else(|| missing("the map"))?;
                 if seq.next_element::<serde::de::IgnoredAny>()?.is_some() {
-                    return Err(fault(&module, "a filling is (\"module\", { … }) and nothing more"));
+                    return Err(fault(
+                        &module,
+                        "a filling is (\"module\", { … }) and nothing more",
+                    ));
                 }
                 Ok(Value::Filled(module, within))
             }
@@ -258,7 +263,10 @@ pub(crate) fn filling(
                     Value::Reads(_) => {
                         return Err(wrong(
                             value,
-                            format!("`{}` wants a module or a number; only `reads` is a map", name.value),
+                            format!(
+                                "`{}` wants a module or a number; only `reads` is a map",
+                                name.value
+                            ),
                         ));
                     }
                     _ => {
@@ -268,7 +276,12 @@ pub(crate) fn filling(
             }
             made
         }
-        _ => return Err(wrong(value, format!("the slot `{}` wants a module", slot.value))),
+        _ => {
+            return Err(wrong(
+                value,
+                format!("the slot `{}` wants a module", slot.value),
+            ));
+        }
     };
     made.slot_place = slot.place.clone();
     Ok(made)
@@ -279,5 +292,8 @@ pub(crate) fn finite(number: f64) -> Option<f64> {
 }
 
 pub(crate) fn connections(reads: &Entries<Spanned<String>>) -> BTreeMap<String, Spanned<String>> {
-    reads.iter().map(|(k, v)| (k.value.clone(), v.clone())).collect()
+    reads
+        .iter()
+        .map(|(k, v)| (k.value.clone(), v.clone()))
+        .collect()
 }

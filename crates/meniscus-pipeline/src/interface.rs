@@ -62,7 +62,12 @@ pub(crate) fn about(pass: &Pass, message: String) -> Diagnostic {
 }
 
 /// A message about a resource that a pass reads: where the pass is, and where it is declared.
-fn about_resource(pass: &Pass, binding: &Binding, library: &Library, message: String) -> Diagnostic {
+fn about_resource(
+    pass: &Pass,
+    binding: &Binding,
+    library: &Library,
+    message: String,
+) -> Diagnostic {
     let diagnostic = about(pass, message);
     match library.declaration(&binding.variable) {
         Some(place) => diagnostic.see(&place, "declared here"),
@@ -83,10 +88,15 @@ pub(crate) fn check_binding(
     let wrong = |message: String| Some(about_resource(pass, binding, library, message));
     match binding.kind {
         BindingKind::Uniform(ty) => match host::BLOCKS.iter().find(|(block, _)| block == name) {
-            Some((_, members)) => {
-                check_members(&shader.module, ty, members).and_then(|what| wrong(format!("`{name}`: {what}")))
-            }
-            None => unknown(pass, binding, library, "uniform block", host::BLOCKS.iter().map(|(b, _)| *b)),
+            Some((_, members)) => check_members(&shader.module, ty, members)
+                .and_then(|what| wrong(format!("`{name}`: {what}"))),
+            None => unknown(
+                pass,
+                binding,
+                library,
+                "uniform block",
+                host::BLOCKS.iter().map(|(b, _)| *b),
+            ),
         },
         BindingKind::Storage { ty, read_only } => {
             if pipeline.buffers.contains_key(name) {
@@ -94,7 +104,13 @@ pub(crate) fn check_binding(
             }
             let Some((_, members)) = host::ARRAYS.iter().find(|(array, _)| array == name) else {
                 let own = pipeline.buffers.keys().map(String::as_str);
-                return unknown(pass, binding, library, "buffer", own.chain(host::ARRAYS.iter().map(|(a, _)| *a)));
+                return unknown(
+                    pass,
+                    binding,
+                    library,
+                    "buffer",
+                    own.chain(host::ARRAYS.iter().map(|(a, _)| *a)),
+                );
             };
             if !read_only {
                 return wrong(format!("`{name}` is the scene's and only to be read"))
@@ -104,28 +120,52 @@ pub(crate) fn check_binding(
                 TypeInner::Array { base, .. } => base,
                 _ => return wrong(format!("`{name}` is an array")),
             };
-            check_members(&shader.module, element, members).and_then(|what| wrong(format!("`{name}`: {what}")))
+            check_members(&shader.module, element, members)
+                .and_then(|what| wrong(format!("`{name}`: {what}")))
         }
         BindingKind::Sampler => (!host::SAMPLERS.contains(&name.as_str()))
-            .then(|| unknown(pass, binding, library, "sampler", host::SAMPLERS.iter().copied()))
+            .then(|| {
+                unknown(
+                    pass,
+                    binding,
+                    library,
+                    "sampler",
+                    host::SAMPLERS.iter().copied(),
+                )
+            })
             .flatten(),
         // A compute pass's own targets are connected by the planner.
         BindingKind::StorageTexture { .. } => None,
-        BindingKind::Texture { sample, filtered, dimension } => {
+        BindingKind::Texture {
+            sample,
+            filtered,
+            dimension,
+        } => {
             let Some(texture) = texture else {
-                return unknown(pass, binding, library, "texture", pipeline.textures.keys().map(String::as_str));
+                return unknown(
+                    pass,
+                    binding,
+                    library,
+                    "texture",
+                    pipeline.textures.keys().map(String::as_str),
+                );
             };
             let format = texture.format;
             if dimension != naga::ImageDimension::D2 {
                 return wrong(format!("`{name}` is a two-dimensional texture"));
             }
             if format.sample() != sample {
-                return wrong(format!("`{name}` has the format {format:?}, which `{}` cannot read", binding.variable))
-                    .map(|d| d.with_help(format!("declare it as `{}`", declaration(format))));
+                return wrong(format!(
+                    "`{name}` has the format {format:?}, which `{}` cannot read",
+                    binding.variable
+                ))
+                .map(|d| d.with_help(format!("declare it as `{}`", declaration(format))));
             }
             if filtered && !format.filterable() {
-                return wrong(format!("`{name}` has the format {format:?}, which no sampler can filter"))
-                    .map(|d| d.with_help("use textureLoad, or Rgba16Float"));
+                return wrong(format!(
+                    "`{name}` has the format {format:?}, which no sampler can filter"
+                ))
+                .map(|d| d.with_help("use textureLoad, or Rgba16Float"));
             }
             None
         }
@@ -148,13 +188,23 @@ fn unknown<'a>(
     known: impl IntoIterator<Item = &'a str>,
 ) -> Option<Diagnostic> {
     let name = &binding.resource;
-    let message = format!("`{}` reads `{name}`, and there is no such {kind}", pass.name.value);
+    let message = format!(
+        "`{}` reads `{name}`, and there is no such {kind}",
+        pass.name.value
+    );
     Some(about_resource(pass, binding, library, message).with_suggestion(name, known))
 }
 
 /// What is wrong with a struct whose members the host is to write.
-fn check_members(module: &naga::Module, ty: naga::Handle<naga::Type>, members: Members) -> Option<String> {
-    let TypeInner::Struct { members: declared, .. } = &module.types[ty].inner else {
+fn check_members(
+    module: &naga::Module,
+    ty: naga::Handle<naga::Type>,
+    members: Members,
+) -> Option<String> {
+    let TypeInner::Struct {
+        members: declared, ..
+    } = &module.types[ty].inner
+    else {
         return Some("it must be a struct".into());
     };
     for member in declared {
@@ -162,11 +212,20 @@ fn check_members(module: &naga::Module, ty: naga::Handle<naga::Type>, members: M
         let found = module.types[member.ty].inner.clone();
         match members.iter().find(|(known, _)| *known == name) {
             None => {
-                let names: Vec<_> = members.iter().map(|(known, _)| format!("`{known}`")).collect();
-                return Some(format!("the host has no member `{name}`; it has {}", names.join(", ")));
+                let names: Vec<_> = members
+                    .iter()
+                    .map(|(known, _)| format!("`{known}`"))
+                    .collect();
+                return Some(format!(
+                    "the host has no member `{name}`; it has {}",
+                    names.join(", ")
+                ));
             }
             Some((_, wanted)) if value_type(&found) != Some(*wanted) => {
-                return Some(format!("the member `{name}` has the type {}", wgsl_name(*wanted)));
+                return Some(format!(
+                    "the member `{name}` has the type {}",
+                    wgsl_name(*wanted)
+                ));
             }
             Some(_) => {}
         }
@@ -199,7 +258,12 @@ fn wgsl_name(ty: ValueType) -> &'static str {
 
 /// Checks vertex attributes against what the host has.
 pub(crate) fn check_attributes(pass: &Pass, shader: &Shader) -> Vec<Diagnostic> {
-    let Some(vertex) = shader.module.entry_points.iter().find(|e| e.stage == naga::ShaderStage::Vertex) else {
+    let Some(vertex) = shader
+        .module
+        .entry_points
+        .iter()
+        .find(|e| e.stage == naga::ShaderStage::Vertex)
+    else {
         return Vec::new();
     };
     let mut wrong = Vec::new();
@@ -208,15 +272,33 @@ pub(crate) fn check_attributes(pass: &Pass, shader: &Shader) -> Vec<Diagnostic> 
             matches!(a.binding, Some(naga::Binding::Location { location, .. }) if location == attribute.location)
         });
         let Some(argument) = argument else { continue };
-        match host::ATTRIBUTES.iter().find(|(name, _)| *name == attribute.name) {
+        match host::ATTRIBUTES
+            .iter()
+            .find(|(name, _)| *name == attribute.name)
+        {
             None => wrong.push(
-                about(pass, format!("`{}` wants the vertex attribute `{}`, which no mesh has", pass.skeleton.value, attribute.name))
-                    .with_suggestion(&attribute.name, host::ATTRIBUTES.iter().map(|(name, _)| *name)),
+                about(
+                    pass,
+                    format!(
+                        "`{}` wants the vertex attribute `{}`, which no mesh has",
+                        pass.skeleton.value, attribute.name
+                    ),
+                )
+                .with_suggestion(
+                    &attribute.name,
+                    host::ATTRIBUTES.iter().map(|(name, _)| *name),
+                ),
             ),
-            Some((_, ty)) if value_type(&shader.module.types[argument.ty].inner) != Some(*ty) => wrong.push(about(
-                pass,
-                format!("the vertex attribute `{}` is a {}", attribute.name, wgsl_name(*ty)),
-            )),
+            Some((_, ty)) if value_type(&shader.module.types[argument.ty].inner) != Some(*ty) => {
+                wrong.push(about(
+                    pass,
+                    format!(
+                        "the vertex attribute `{}` is a {}",
+                        attribute.name,
+                        wgsl_name(*ty)
+                    ),
+                ))
+            }
             Some(_) => {}
         }
     }
@@ -224,15 +306,25 @@ pub(crate) fn check_attributes(pass: &Pass, shader: &Shader) -> Vec<Diagnostic> 
 }
 
 /// Checks an output's type against its texture's format.
-pub(crate) fn check_target(pass: &Pass, output: &str, location: u32, format: Format, shader: &Shader) -> Option<Diagnostic> {
-    let fragment = shader.module.entry_points.iter().find(|e| e.stage == naga::ShaderStage::Fragment)?;
+pub(crate) fn check_target(
+    pass: &Pass,
+    output: &str,
+    location: u32,
+    format: Format,
+    shader: &Shader,
+) -> Option<Diagnostic> {
+    let fragment = shader
+        .module
+        .entry_points
+        .iter()
+        .find(|e| e.stage == naga::ShaderStage::Fragment)?;
     let result = fragment.function.result.as_ref()?;
     let TypeInner::Struct { members, .. } = &shader.module.types[result.ty].inner else {
         return None;
     };
-    let member = members.iter().find(|m| {
-        matches!(m.binding, Some(naga::Binding::Location { location: l, .. }) if l == location)
-    })?;
+    let member = members.iter().find(
+        |m| matches!(m.binding, Some(naga::Binding::Location { location: l, .. }) if l == location),
+    )?;
     let (channels, unsigned) = match &shader.module.types[member.ty].inner {
         TypeInner::Scalar(scalar) => (1, scalar.kind == ScalarKind::Uint),
         TypeInner::Vector { size, scalar } => (*size as u8, scalar.kind == ScalarKind::Uint),

@@ -74,7 +74,10 @@ impl Pipelines {
     /// Files with their names (paths without `.ron`); a later one replaces an earlier.
     pub fn new<'a>(files: impl IntoIterator<Item = (&'a str, Arc<SourceFile>)>) -> Self {
         Self {
-            files: files.into_iter().map(|(name, file)| (name.to_owned(), file)).collect(),
+            files: files
+                .into_iter()
+                .map(|(name, file)| (name.to_owned(), file))
+                .collect(),
         }
     }
 
@@ -162,8 +165,17 @@ fn build(name: &str, read: PipelineFile) -> Result<Pipeline, Report> {
             .0
             .into_iter()
             .map(|(key, t)| {
-                let texture = Texture { format: t.format, size: t.size };
-                (key.value.clone(), Spanned { value: texture, place: key.place })
+                let texture = Texture {
+                    format: t.format,
+                    size: t.size,
+                };
+                (
+                    key.value.clone(),
+                    Spanned {
+                        value: texture,
+                        place: key.place,
+                    },
+                )
             })
             .collect(),
         buffers: read
@@ -177,7 +189,13 @@ fn build(name: &str, read: PipelineFile) -> Result<Pipeline, Report> {
                     indirect: b.indirect,
                     zeroed: b.zeroed,
                 };
-                (key.value.clone(), Spanned { value: buffer, place: key.place })
+                (
+                    key.value.clone(),
+                    Spanned {
+                        value: buffer,
+                        place: key.place,
+                    },
+                )
             })
             .collect(),
         passes: Vec::new(),
@@ -191,13 +209,39 @@ fn build(name: &str, read: PipelineFile) -> Result<Pipeline, Report> {
 fn add_steps(passes: &mut Vec<Pass>, steps: Vec<Step>, suffix: &str, report: &mut Report) {
     for step in steps {
         let pass = match step {
-            Step::Draw(d) => (d.name, PassOver::Draw(d.geometry), d.skeleton, d.when, d.slots, d.reads, d.writes),
-            Step::Screen(s) => (s.name, PassOver::Screen(s.over, s.runs), s.skeleton, s.when, s.slots, s.reads, s.writes),
-            Step::Compute(c) => (c.name, PassOver::Compute(c.dispatch), c.skeleton, c.when, c.slots, c.reads, Entries::default()),
+            Step::Draw(d) => (
+                d.name,
+                PassOver::Draw(d.geometry),
+                d.skeleton,
+                d.when,
+                d.slots,
+                d.reads,
+                d.writes,
+            ),
+            Step::Screen(s) => (
+                s.name,
+                PassOver::Screen(s.over, s.runs),
+                s.skeleton,
+                s.when,
+                s.slots,
+                s.reads,
+                s.writes,
+            ),
+            Step::Compute(c) => (
+                c.name,
+                PassOver::Compute(c.dispatch),
+                c.skeleton,
+                c.when,
+                c.slots,
+                c.reads,
+                Entries::default(),
+            ),
             Step::Repeat(repeat) => {
                 let times = repeat.times.value as usize;
                 if times == 0 || times.saturating_mul(repeat.sequence.len()) > MAX_PASSES {
-                    let wrong = Diagnostic::error(format!("a pipeline has 1 to {MAX_PASSES} passes, repetitions counted"));
+                    let wrong = Diagnostic::error(format!(
+                        "a pipeline has 1 to {MAX_PASSES} passes, repetitions counted"
+                    ));
                     report.add(match &repeat.times.place {
                         Some(place) => wrong.at(place, "so many times"),
                         None => wrong,
@@ -205,7 +249,12 @@ fn add_steps(passes: &mut Vec<Pass>, steps: Vec<Step>, suffix: &str, report: &mu
                     continue;
                 }
                 for time in 1..=times {
-                    add_steps(passes, repeat.sequence.clone(), &format!("{suffix}.{time}"), report);
+                    add_steps(
+                        passes,
+                        repeat.sequence.clone(),
+                        &format!("{suffix}.{time}"),
+                        report,
+                    );
                 }
                 continue;
             }
@@ -249,7 +298,11 @@ impl Pipeline {
     pub fn set(&mut self, key: &str, value: &str) -> Result<(), Report> {
         let (key, value) = (key.trim(), value.trim());
         let literal = value.starts_with(['(', '"', '{']) || value.parse::<f64>().is_ok();
-        let text = if literal { value.to_owned() } else { format!("\"{}\"", value.escape_default()) };
+        let text = if literal {
+            value.to_owned()
+        } else {
+            format!("\"{}\"", value.escape_default())
+        };
         let file = SourceFile::new(format!("--with {key}"), text);
         let value: Spanned<Value> = from_source(&file)?;
         self.put(&Spanned::unplaced(key.to_owned()), &value)?;
@@ -257,7 +310,11 @@ impl Pipeline {
         Ok(())
     }
 
-    pub(crate) fn put(&mut self, key: &Spanned<String>, value: &Spanned<Value>) -> Result<(), Diagnostic> {
+    pub(crate) fn put(
+        &mut self,
+        key: &Spanned<String>,
+        value: &Spanned<Value>,
+    ) -> Result<(), Diagnostic> {
         let wrong = |message: String| {
             let place = key.place.as_ref().or(value.place.as_ref());
             let diagnostic = Diagnostic::error(message);
@@ -275,8 +332,11 @@ impl Pipeline {
                 .with_suggestion(pass_name, names.iter().map(String::as_str)));
         };
         let Some((last, way)) = path.split_last() else {
-            return Err(wrong(format!("`{}` names a pass; a slot or number must follow", key.value))
-                .with_help("write PASS.SLOT or PASS.SLOT.NUMBER"));
+            return Err(wrong(format!(
+                "`{}` names a pass; a slot or number must follow",
+                key.value
+            ))
+            .with_help("write PASS.SLOT or PASS.SLOT.NUMBER"));
         };
         let mut fillings = &mut pass.slots;
         let mut numbers = None;
@@ -302,7 +362,10 @@ impl Pipeline {
                 );
             }
             (Value::Number(_), None) => {
-                return Err(wrong(format!("`{}` names a slot, which wants a module", key.value)));
+                return Err(wrong(format!(
+                    "`{}` names a slot, which wants a module",
+                    key.value
+                )));
             }
             _ => {
                 let slot = Spanned {

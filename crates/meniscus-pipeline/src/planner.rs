@@ -30,12 +30,21 @@ impl Plan {
     ///
     /// # Errors
     /// All that is wrong, in the words of the pipeline's file and of the modules.
-    pub fn new(pipeline: &Pipeline, composer: &Composer, facts: &Facts, shown: bool) -> Result<Self, Report> {
+    pub fn new(
+        pipeline: &Pipeline,
+        composer: &Composer,
+        facts: &Facts,
+        shown: bool,
+    ) -> Result<Self, Report> {
         let mut planner = Planner {
             pipeline,
             composer,
             facts,
-            textures: pipeline.textures.iter().map(|(name, t)| (name.clone(), t.value)).collect(),
+            textures: pipeline
+                .textures
+                .iter()
+                .map(|(name, t)| (name.clone(), t.value))
+                .collect(),
             written: BTreeSet::new(),
             read: BTreeSet::new(),
             passes: Vec::new(),
@@ -45,12 +54,26 @@ impl Plan {
             planner.add(pass, shown);
         }
         planner.check_output();
-        let Planner { textures, written, read, passes, report, .. } = planner;
+        let Planner {
+            textures,
+            written,
+            read,
+            passes,
+            report,
+            ..
+        } = planner;
         report.into_result(Self {
             pipeline: pipeline.name.clone(),
             // What is neither written nor read needs no memory.
-            textures: textures.into_iter().filter(|(name, _)| written.contains(name) || read.contains(name)).collect(),
-            buffers: pipeline.buffers.iter().map(|(name, b)| (name.clone(), b.value)).collect(),
+            textures: textures
+                .into_iter()
+                .filter(|(name, _)| written.contains(name) || read.contains(name))
+                .collect(),
+            buffers: pipeline
+                .buffers
+                .iter()
+                .map(|(name, b)| (name.clone(), b.value))
+                .collect(),
             passes,
             output: pipeline.output.value.clone(),
             shown: shown.then(|| format!("{}{SHOWN}", pipeline.output.value)),
@@ -76,13 +99,28 @@ impl Planner<'_> {
             Some(Ok(false)) => return,
             _ => {}
         }
-        let writes: Vec<_> = pass.writes.iter().filter(|(output, _)| output.value != DEPTH).collect();
-        let depth = pass.writes.iter().find(|(output, _)| output.value == DEPTH).map(|(_, texture)| texture.clone());
-        let outputs = writes.iter().map(|(output, texture)| (output.clone(), texture.clone())).collect();
+        let writes: Vec<_> = pass
+            .writes
+            .iter()
+            .filter(|(output, _)| output.value != DEPTH)
+            .collect();
+        let depth = pass
+            .writes
+            .iter()
+            .find(|(output, _)| output.value == DEPTH)
+            .map(|(_, texture)| texture.clone());
+        let outputs = writes
+            .iter()
+            .map(|(output, texture)| (output.clone(), texture.clone()))
+            .collect();
         if let Err(wrong) = self.plan(pass, pass.name.value.clone(), outputs, depth.as_ref()) {
             self.report.extend(wrong);
         }
-        let Some((output, texture)) = writes.iter().find(|(output, _)| output.value == COLOUR).filter(|_| shown) else {
+        let Some((output, texture)) = writes
+            .iter()
+            .find(|(output, _)| output.value == COLOUR)
+            .filter(|_| shown)
+        else {
             return;
         };
         // The twin runs against a depth texture of its own, so that it sees what the pass saw.
@@ -92,9 +130,18 @@ impl Planner<'_> {
         };
         if let Some(declared) = self.textures.get(&texture.value) {
             let size = declared.size;
-            self.textures.insert(twin(texture).value, Texture { format: Format::Rgba32Float, size });
+            self.textures.insert(
+                twin(texture).value,
+                Texture {
+                    format: Format::Rgba32Float,
+                    size,
+                },
+            );
         }
-        if let Some((depth, declared)) = depth.as_ref().and_then(|d| Some((d, self.textures.get(&d.value)?))) {
+        if let Some((depth, declared)) = depth
+            .as_ref()
+            .and_then(|d| Some((d, self.textures.get(&d.value)?)))
+        {
             let declared = *declared;
             self.textures.insert(twin(depth).value, declared);
         }
@@ -104,7 +151,12 @@ impl Planner<'_> {
         };
         let name = format!("{}{SHOWN}", pass.name.value);
         let depth = depth.as_ref().map(twin);
-        if let Err(wrong) = self.plan(pass, name, vec![(shown_output, twin(texture))], depth.as_ref()) {
+        if let Err(wrong) = self.plan(
+            pass,
+            name,
+            vec![(shown_output, twin(texture))],
+            depth.as_ref(),
+        ) {
             self.report.extend(wrong);
         }
     }
@@ -120,7 +172,11 @@ impl Planner<'_> {
         for texture in outputs.iter().map(|(_, texture)| texture).chain(depth) {
             let declared = self.declared(texture)?;
             if *size.get_or_insert(declared.size) != declared.size {
-                return Err(about(pass, format!("`{}` writes textures of different sizes", pass.name.value)).into());
+                return Err(about(
+                    pass,
+                    format!("`{}` writes textures of different sizes", pass.name.value),
+                )
+                .into());
             }
         }
         let size = size.unwrap_or(Size::Frame);
@@ -139,7 +195,10 @@ impl Planner<'_> {
                     let format = self.textures.get(&texture.value).map(|t| t.format);
                     Output {
                         name: output.clone(),
-                        format: format.and_then(Format::storage_name).unwrap_or("rgba16float").to_owned(),
+                        format: format
+                            .and_then(Format::storage_name)
+                            .unwrap_or("rgba16float")
+                            .to_owned(),
                     }
                 })
                 .collect(),
@@ -149,15 +208,32 @@ impl Planner<'_> {
         let shader = self.composer.compose(&recipe)?;
         self.check(pass, &shader, &outputs, depth)?;
         let kind = self.kind(pass, depth)?;
-        let guarded = |name: &str| self.textures.get(name).is_some_and(|t| t.size == Size::Guarded);
-        let view_seen = if interface::read_textures(&shader).into_iter().any(guarded) { Size::Guarded } else { Size::Frame };
-        let targets: Vec<String> = outputs.iter().map(|(_, texture)| texture.value.clone()).collect();
+        let guarded = |name: &str| {
+            self.textures
+                .get(name)
+                .is_some_and(|t| t.size == Size::Guarded)
+        };
+        let view_seen = if interface::read_textures(&shader).into_iter().any(guarded) {
+            Size::Guarded
+        } else {
+            Size::Frame
+        };
+        let targets: Vec<String> = outputs
+            .iter()
+            .map(|(_, texture)| texture.value.clone())
+            .collect();
         self.written.extend(targets.iter().cloned());
         self.written.extend(depth.map(|d| d.value.clone()));
         let depth = match (&pass.over, depth) {
             (PassOver::Draw(_), None) => {
                 let own = format!("{name} (depth)");
-                self.textures.insert(own.clone(), Texture { format: Format::Depth32Float, size });
+                self.textures.insert(
+                    own.clone(),
+                    Texture {
+                        format: Format::Depth32Float,
+                        size,
+                    },
+                );
                 self.written.insert(own.clone());
                 Some(own)
             }
@@ -182,7 +258,12 @@ impl Planner<'_> {
             if let Some(place) = &texture.place {
                 unknown = unknown.at(place, "not among `textures`");
             }
-            unknown.with_suggestion(&texture.value, self.pipeline.textures.keys().map(String::as_str)).into()
+            unknown
+                .with_suggestion(
+                    &texture.value,
+                    self.pipeline.textures.keys().map(String::as_str),
+                )
+                .into()
         })
     }
 
@@ -204,9 +285,11 @@ impl Planner<'_> {
         if let Some(depth) = depth
             && self.declared(depth)?.format != Format::Depth32Float
         {
-            return Err(about(pass, format!("`{}` is no depth texture", depth.value))
-                .with_help("give it the format Depth32Float")
-                .into());
+            return Err(
+                about(pass, format!("`{}` is no depth texture", depth.value))
+                    .with_help("give it the format Depth32Float")
+                    .into(),
+            );
         }
         Ok(match &pass.over {
             PassOver::Draw(geometry) => PassKind::Draw(*geometry),
@@ -218,13 +301,19 @@ impl Planner<'_> {
             PassOver::Screen(..) => PassKind::Screen,
             PassOver::Compute(Dispatch::Pixels(of)) => PassKind::Dispatch(*of),
             PassOver::Compute(Dispatch::Fixed(x, y, z)) => PassKind::DispatchFixed([*x, *y, *z]),
-            PassOver::Compute(Dispatch::Indirect(arguments)) => PassKind::DispatchIndirect(buffer(arguments)?),
+            PassOver::Compute(Dispatch::Indirect(arguments)) => {
+                PassKind::DispatchIndirect(buffer(arguments)?)
+            }
         })
     }
 
     /// Names of resources by variable: what the pass says, the twins with what is shown, and the
     /// resources that the entry points themselves declare.
-    fn reads(&self, pass: &Pass, outputs: &[(Spanned<String>, Spanned<String>)]) -> BTreeMap<String, String> {
+    fn reads(
+        &self,
+        pass: &Pass,
+        outputs: &[(Spanned<String>, Spanned<String>)],
+    ) -> BTreeMap<String, String> {
         let twin = |texture: &str| format!("{texture}{SHOWN}");
         let mut reads = BTreeMap::new();
         for texture in self.pipeline.textures.keys() {
@@ -256,23 +345,35 @@ impl Planner<'_> {
         for binding in &shader.bindings {
             let name = &binding.resource;
             let texture = self.textures.get(name);
-            if let Some(wrong) = interface::check_binding(pass, binding, shader, self.pipeline, texture, library) {
+            if let Some(wrong) =
+                interface::check_binding(pass, binding, shader, self.pipeline, texture, library)
+            {
                 report.add(wrong);
                 continue;
             }
             if !matches!(binding.kind, BindingKind::Texture { .. }) {
                 continue;
             }
-            let writes_it = outputs.iter().any(|(_, t)| t.value == *name) || depth.is_some_and(|d| d.value == *name);
+            let writes_it = outputs.iter().any(|(_, t)| t.value == *name)
+                || depth.is_some_and(|d| d.value == *name);
             if writes_it {
                 report.add(
-                    about(pass, format!("`{}` reads and writes `{name}` at once", pass.name.value))
-                        .with_help("write another texture"),
+                    about(
+                        pass,
+                        format!("`{}` reads and writes `{name}` at once", pass.name.value),
+                    )
+                    .with_help("write another texture"),
                 );
             } else if !self.written.contains(name) {
                 report.add(
-                    about(pass, format!("`{}` reads `{name}` before any pass has written it", pass.name.value))
-                        .with_help("put the pass that writes it before this one"),
+                    about(
+                        pass,
+                        format!(
+                            "`{}` reads `{name}` before any pass has written it",
+                            pass.name.value
+                        ),
+                    )
+                    .with_help("put the pass that writes it before this one"),
                 );
             }
             self.read.insert(name.clone());
@@ -281,8 +382,12 @@ impl Planner<'_> {
             report.add(wrong);
         }
         for (location, (output, texture)) in outputs.iter().enumerate() {
-            let Some(format) = self.textures.get(&texture.value).map(|t| t.format) else { continue };
-            if let Some(wrong) = interface::check_target(pass, &output.value, location as u32, format, shader) {
+            let Some(format) = self.textures.get(&texture.value).map(|t| t.format) else {
+                continue;
+            };
+            if let Some(wrong) =
+                interface::check_target(pass, &output.value, location as u32, format, shader)
+            {
                 report.add(wrong);
             }
         }
@@ -294,7 +399,8 @@ impl Planner<'_> {
         match self.declared(output) {
             Err(unknown) => self.report.extend(unknown),
             Ok(_) if self.report.is_ok() && !self.written.contains(&output.value) => {
-                let mut never = Diagnostic::error(format!("no pass writes the output `{}`", output.value));
+                let mut never =
+                    Diagnostic::error(format!("no pass writes the output `{}`", output.value));
                 if let Some(place) = &output.place {
                     never = never.at(place, "comes out empty");
                 }

@@ -29,7 +29,9 @@ fn every_pipeline_plans_under_all_facts() {
     let names: Vec<String> = pipelines.names().map(str::to_owned).collect();
     assert!(names.iter().any(|n| n == "refraction/combined"));
     for name in names {
-        let pipeline = pipelines.load(&name).unwrap_or_else(|report| panic!("{name}\n{report}"));
+        let pipeline = pipelines
+            .load(&name)
+            .unwrap_or_else(|report| panic!("{name}\n{report}"));
         for facts in Facts::all() {
             for shown in [false, true] {
                 Plan::new(&pipeline, &composer, &facts, shown)
@@ -37,4 +39,10 @@ fn every_pipeline_plans_under_all_facts() {
             }
         }
     }
+}
+
+#[test]
+fn every_module_stands_by_itself() {
+    let report = composer().check_library();
+    assert!(report.0.is_empty(), "{report}");
 }
