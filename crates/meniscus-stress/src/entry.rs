@@ -31,7 +31,7 @@ pub struct Pixels<S> {
 }
 
 /// Gives the component of an input in a lane; none where there is no such input.
-pub type Input<'a> = dyn Fn(&Binding, usize, usize) -> Option<f64> + Sync + 'a;
+pub type Feed<'a> = dyn Fn(&Binding, usize, usize) -> Option<f64> + Sync + 'a;
 
 /// Gives what a vertex stage would have interpolated at a pixel's centre (x right, y down, in
 /// pixels) for a `@location`; none where there is no such location.
@@ -97,7 +97,7 @@ impl Entry {
         machine: &mut Machine<'_, S>,
         first: usize,
         count: usize,
-        input: &Input<'_>,
+        input: &Feed<'_>,
     ) -> Result<(), Trap> {
         for argument in &self.code.arguments {
             for (binding, range) in &argument.bindings {
@@ -292,7 +292,7 @@ impl Entry {
         &self,
         lanes: usize,
         resources: &Resources<'_>,
-        input: &Input<'_>,
+        input: &Feed<'_>,
     ) -> Result<Lanes<S>, Trap> {
         let bound = bind(&self.code, resources)?;
         let kinds = result_kinds(&self.code);

@@ -3,7 +3,8 @@
 //! [`Program`] takes naga's IR, the very module that a GPU runs, and evaluates its functions and
 //! entry points, 64 lanes at a time, in any [`Scalar`]: `f32` (as a GPU computes), `f64`,
 //! [`DoubleDouble`], [`Interval`], [`Stochastic`], [`Dual`]. [`Function::trace`] names the line of
-//! WGSL at which `f32` and `f64` part.
+//! WGSL at which `f32` and `f64` part. [`Subject::hunt`] looks for the worst inputs of a function
+//! and splits their errors into rounding, method and conditioning.
 //!
 //! ```
 //! use meniscus_stress::{Lanes, Program, Resources, Settings};
@@ -32,16 +33,21 @@ mod op;
 mod registers;
 mod resources;
 mod shape;
+mod stress;
 mod texel;
 mod trace;
 pub mod ulp;
 
 pub use compile::{Program, Settings};
-pub use entry::{Entry, Input, Pixels, Varying};
+pub use entry::{Entry, Feed, Pixels, Varying};
 pub use error::{Trap, Unsupported};
 pub use function::{Function, Outcome};
 pub use number::{DoubleDouble, Dual, Elementary, Interval, Scalar, Shadow, Stochastic, Whole};
 pub use op::Site;
 pub use resources::{Buffer, DepthTest, Resources, Sampler, Texture, Wrap};
 pub use shape::{Column, Kind, Lanes, Shape};
+pub use stress::{
+    Case, Domain, Effort, Exhausted, Findings, Input, Place, Range, Relation, Spread, Subject,
+    Truth, Verdict, WORST_KEPT,
+};
 pub use trace::{Parting, Trace};

@@ -30,6 +30,8 @@ pub struct Trace {
     pub first: Option<Parting>,
     /// The expression that parts them most, beyond what arrives.
     pub worst: Option<Parting>,
+    /// The first expression whose operands are finite and whose `f32` result is not.
+    pub not_finite: Option<Site>,
     /// Comparisons and conversions to integers that come out differently. `f32`'s way is taken.
     pub branches: Vec<Site>,
     /// The result in both.
@@ -72,6 +74,7 @@ impl Function {
             ulps,
             first: None,
             worst: None,
+            not_finite: None,
             branches: Vec::new(),
         };
         let mut shared = Shared::new(code.workgroup_words);
@@ -88,12 +91,14 @@ impl Function {
         let Watcher {
             first,
             worst,
+            not_finite,
             branches,
             ..
         } = watcher;
         Ok(Trace {
             first,
             worst,
+            not_finite,
             branches,
             value,
         })
@@ -119,11 +124,16 @@ struct Watcher<'c> {
     ulps: f64,
     first: Option<Parting>,
     worst: Option<Parting>,
+    not_finite: Option<Site>,
     branches: Vec<Site>,
 }
 
 impl Watcher<'_> {
     fn parted(&mut self, at: usize, operands: &[Shadow], result: Shadow) {
+        let finite = operands.iter().all(|x| x.single.is_finite());
+        if self.not_finite.is_none() && finite && !result.single.is_finite() {
+            self.not_finite = Some(self.code.site(at));
+        }
         let arriving: f64 = operands.iter().map(|x| x.ulps()).sum();
         let leaving = result.ulps();
         // What arrives infinitely far apart is not this expression's fault.

@@ -53,16 +53,18 @@ fn a_ramp_filters_to_the_place_itself() {
             f64::from(*v) * f64::from(HEIGHT),
         ];
         let right = [inside(place[0], WIDTH), inside(place[1], HEIGHT)];
-        for axis in 0..2 {
-            assert!((found.lane(lane)[axis] - right[axis]).abs() < 1e-12);
-        }
+        assert_near(&found.lane(lane), right);
         let right = [
             inside(place[0] + 1.0, WIDTH),
             inside(place[1] - 1.0, HEIGHT),
         ];
-        for axis in 0..2 {
-            assert!((moved.lane(lane)[axis] - right[axis]).abs() < 1e-12);
-        }
+        assert_near(&moved.lane(lane), right);
+    }
+}
+
+fn assert_near(found: &[f64], right: [f64; 2]) {
+    for (found, right) in found.iter().zip(right) {
+        assert!((found - right).abs() < 1e-12, "{found} is not {right}");
     }
 }
 

@@ -2,13 +2,7 @@
 //!
 //! Parker 1997, "Monte Carlo arithmetic".
 
-use std::cell::Cell;
-
 use super::{Elementary, Scalar, Whole, wgsl_power};
-
-thread_local! {
-    static STATE: Cell<u64> = const { Cell::new(0x9E37_79B9_7F4A_7C15) };
-}
 
 /// An `f32` whose results are rounded up or down by chance, with the chances that make the
 /// expected value exact.
@@ -18,21 +12,7 @@ pub struct Stochastic(pub f32);
 impl Stochastic {
     /// Restarts this thread's chances, so that a run can be repeated.
     pub fn seed(seed: u64) {
-        // The generator must not stand at 0; splitmix spreads small seeds.
-        let mut z = seed.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        STATE.set((z ^ (z >> 31)) | 1);
-    }
-
-    /// In [0, 1).
-    fn chance() -> f64 {
-        let mut x = STATE.get();
-        x ^= x << 13;
-        x ^= x >> 7;
-        x ^= x << 17;
-        STATE.set(x);
-        (x >> 11) as f64 / (1_u64 << 53) as f64
+        fastrand::seed(seed);
     }
 
     fn rounded(exact: f64) -> Self {
@@ -47,7 +27,7 @@ impl Stochastic {
             nearest.next_down()
         };
         let step = f64::from(other) - f64::from(nearest);
-        Self(if Self::chance() < rest / step {
+        Self(if fastrand::f64() < rest / step {
             other
         } else {
             nearest

@@ -1,0 +1,425 @@
+//! Where a function's inputs may lie, and how they are drawn from there.
+
+use fastrand::Rng;
+
+use crate::function::Function;
+use crate::shape::{Column, Kind, Lanes, Shape};
+use crate::ulp::{at_rank, rank};
+
+/// One input of a function: a word for every single number of its arguments, in the order of
+/// [`Shape::leaves`](crate::Shape::leaves), argument by argument. An `f32` is its bits.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(transparent)]
+pub struct Input(pub Vec<u32>);
+
+/// The range of an argument's numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Range {
+    /// Every `f32` between the bounds is equally likely: small numbers as often as large ones.
+    Bits(f32, f32),
+    /// Every number is equally likely.
+    Linear(f32, f32),
+    /// Every decade is equally likely; both bounds are positive, or both negative.
+    Log(f32, f32),
+    /// Integers, all equally likely; truth values are 0 and 1.
+    Whole(i64, i64),
+    /// A vector of length 1, all directions equally likely; for a whole argument.
+    Unit,
+}
+
+/// A place for one number of an input, from all of its numbers.
+pub type Place = dyn Fn(&[f64]) -> f64 + Send + Sync;
+
+/// Puts one number of an input near a place that depends on the others: near a critical angle,
+/// near a tangent.
+pub struct Relation {
+    /// The number that is moved, counted over all arguments.
+    pub leaf: usize,
+    /// Share of the inputs that are so moved, from 0 to 1.
+    pub share: f64,
+    /// The place, from all numbers of the input; not finite where there is none.
+    pub place: Box<Place>,
+}
+
+impl std::fmt::Debug for Relation {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Relation")
+            .field("leaf", &self.leaf)
+            .field("share", &self.share)
+            .finish()
+    }
+}
+
+/// Where the inputs of a function lie.
+#[derive(Debug)]
+pub struct Domain {
+    /// A range for each single number, or one [`Range::Unit`] for a vector's first.
+    leaves: Vec<Leaf>,
+    relations: Vec<Relation>,
+}
+
+#[derive(Debug, Clone)]
+struct Leaf {
+    kind: Kind,
+    range: Range,
+    /// Numbers that are drawn together, told of the first: of a unit vector.
+    count: usize,
+}
+
+impl Domain {
+    /// From a range for each argument; it holds for each of the argument's numbers.
+    ///
+    /// None where their number is not the function's, or a range does not suit its argument:
+    /// out of order, not finite, a logarithm across 0, a unit vector of integers.
+    #[must_use]
+    pub fn new(function: &Function, ranges: &[Range]) -> Option<Self> {
+        let arguments: Vec<_> = function.arguments().collect();
+        if arguments.len() != ranges.len() {
+            return None;
+        }
+        let mut leaves = Vec::new();
+        for ((_, shape), range) in arguments.iter().zip(ranges) {
+            leaves.extend(leaves_of(shape, range)?);
+        }
+        Some(Self {
+            leaves,
+            relations: Vec::new(),
+        })
+    }
+
+    /// Adds a relation; none where there is no such number, or it is part of a unit vector.
+    #[must_use]
+    pub fn with(mut self, relation: Relation) -> Option<Self> {
+        let leaf = self.leaves.get(relation.leaf)?;
+        if leaf.range == Range::Unit || leaf.kind != Kind::Float {
+            return None;
+        }
+        self.relations.push(relation);
+        Some(self)
+    }
+
+    /// Number of single numbers of an input.
+    #[must_use]
+    pub fn leaf_count(&self) -> usize {
+        self.leaves.len()
+    }
+
+    /// Which of the numbers are `f32`s.
+    pub fn floats(&self) -> impl Iterator<Item = usize> {
+        (0..self.leaves.len()).filter(|&i| self.leaves[i].kind == Kind::Float)
+    }
+
+    /// The numbers of an input, as `f64`.
+    #[must_use]
+    pub fn numbers(&self, input: &Input) -> Vec<f64> {
+        let number = |(leaf, &word): (&Leaf, &u32)| match leaf.kind {
+            Kind::Float => f64::from(f32::from_bits(word)),
+            Kind::Sint => f64::from(word as i32),
+            Kind::Uint | Kind::Bool => f64::from(word),
+        };
+        self.leaves.iter().zip(&input.0).map(number).collect()
+    }
+
+    /// A random input.
+    pub fn draw(&self, rng: &mut Rng) -> Input {
+        let mut words = Vec::with_capacity(self.leaves.len());
+        while words.len() < self.leaves.len() {
+            let leaf = &self.leaves[words.len()];
+            match leaf.range {
+                Range::Unit => words.extend(unit(leaf.count, rng)),
+                _ => words.push(leaf.draw(rng)),
+            }
+        }
+        let mut input = Input(words);
+        for relation in &self.relations {
+            if rng.f64() < relation.share {
+                self.relate(&mut input, relation, rng);
+            }
+        }
+        input
+    }
+
+    fn relate(&self, input: &mut Input, relation: &Relation, rng: &mut Rng) {
+        let place = (relation.place)(&self.numbers(input)) as f32;
+        if !place.is_finite() {
+            return;
+        }
+        // Relative distances from an ulp to a factor of 2, every binade equally likely.
+        let distance = f64::exp2(-24.0 * rng.f64()) * if rng.bool() { 1.0 } else { -0.5 };
+        let near = (f64::from(place) * (1.0 + distance)) as f32;
+        let leaf = &self.leaves[relation.leaf];
+        input.0[relation.leaf] = leaf.nearest(near.to_bits());
+    }
+
+    /// Changes an input a little or a lot, staying inside.
+    pub fn changed(&self, input: &Input, rng: &mut Rng) -> Input {
+        let mut changed = input.clone();
+        for _ in 0..=rng.usize(0..2) {
+            if !self.relations.is_empty() && rng.u8(0..8) == 0 {
+                let relation = &self.relations[rng.usize(0..self.relations.len())];
+                self.relate(&mut changed, relation, rng);
+                continue;
+            }
+            let at = rng.usize(0..self.leaves.len().max(1));
+            let Some(leaf) = self.leaves.get(at) else {
+                continue;
+            };
+            let first = self.unit_start(at);
+            let word = changed.0[at];
+            changed.0[at] = match leaf.range {
+                Range::Whole(..) if rng.bool() => leaf.draw(rng),
+                Range::Whole(..) => leaf.nearest(word ^ (1 << rng.u32(0..32))),
+                Range::Unit => (f32::from_bits(word) + step(rng) as f32 * f32::EPSILON).to_bits(),
+                _ => {
+                    let moved = match rng.u8(0..8) {
+                        0 => word ^ (1 << rng.u32(0..31)),
+                        1 => leaf.draw(rng),
+                        _ => {
+                            at_rank(rank(f32::from_bits(word)).saturating_add(step(rng))).to_bits()
+                        }
+                    };
+                    leaf.nearest(moved)
+                }
+            };
+            if let Some((first, count)) = first {
+                normalise(&mut changed.0[first..first + count]);
+            }
+        }
+        changed
+    }
+
+    /// Where the unit vector begins that a number belongs to, and how many there are.
+    fn unit_start(&self, at: usize) -> Option<(usize, usize)> {
+        let starts = (0..=at).rev().take(4);
+        let holds = |&i: &usize| {
+            let leaf = &self.leaves[i];
+            leaf.range == Range::Unit && leaf.count > at - i
+        };
+        starts
+            .into_iter()
+            .find(holds)
+            .map(|i| (i, self.leaves[i].count))
+    }
+
+    /// Inputs of special numbers: 0, denormals, 1 and its neighbours, the bounds and theirs, the
+    /// axes. All combinations, or `most` of them at random.
+    #[must_use]
+    pub fn special(&self, most: usize, rng: &mut Rng) -> Vec<Input> {
+        let mut choices: Vec<Vec<Vec<u32>>> = Vec::new();
+        let mut at = 0;
+        while at < self.leaves.len() {
+            choices.push(self.leaves[at].special());
+            at += if self.leaves[at].range == Range::Unit {
+                self.leaves[at].count
+            } else {
+                1
+            };
+        }
+        let total = choices
+            .iter()
+            .fold(1_usize, |n, c| n.saturating_mul(c.len()));
+        let combination = |pick: &mut dyn FnMut(usize) -> usize| {
+            Input(
+                choices
+                    .iter()
+                    .flat_map(|c| c[pick(c.len())].clone())
+                    .collect(),
+            )
+        };
+        if total <= most {
+            let numbered = |mut index: usize| {
+                combination(&mut |count| {
+                    let digit = index % count;
+                    index /= count;
+                    digit
+                })
+            };
+            return (0..total).map(numbered).collect();
+        }
+        (0..most)
+            .map(|_| combination(&mut |count| rng.usize(0..count)))
+            .collect()
+    }
+
+    /// Inputs as columns, for a call.
+    #[must_use]
+    pub fn lanes(&self, function: &Function, inputs: &[Input]) -> Vec<Lanes<f32>> {
+        let mut at = 0;
+        let argument = |shape: &Shape| {
+            let column = |(_, kind): (String, Kind)| {
+                at += 1;
+                let words = inputs.iter().map(|i| i.0.get(at - 1).copied().unwrap_or(0));
+                match kind {
+                    Kind::Float => Column::Float(words.map(f32::from_bits).collect()),
+                    Kind::Sint => Column::Sint(words.map(|w| w as i32).collect()),
+                    Kind::Uint => Column::Uint(words.collect()),
+                    Kind::Bool => Column::Bool(words.map(|w| w != 0).collect()),
+                }
+            };
+            Lanes {
+                columns: shape.leaves().into_iter().map(column).collect(),
+            }
+        };
+        function
+            .arguments()
+            .map(|(_, shape)| shape)
+            .map(argument)
+            .collect()
+    }
+}
+
+fn leaves_of(shape: &Shape, range: &Range) -> Option<Vec<Leaf>> {
+    let kinds: Vec<Kind> = shape.leaves().into_iter().map(|(_, kind)| kind).collect();
+    let all_are = |kind: Kind| kinds.iter().all(|&k| k == kind);
+    let suits = match *range {
+        Range::Bits(low, high) | Range::Linear(low, high) => {
+            low <= high && low.is_finite() && high.is_finite() && all_are(Kind::Float)
+        }
+        Range::Log(low, high) => {
+            low <= high && low * high > 0.0 && high.is_finite() && all_are(Kind::Float)
+        }
+        Range::Whole(low, high) => {
+            let fits = |kind: &Kind| match kind {
+                Kind::Float => false,
+                Kind::Sint => i32::try_from(low).is_ok() && i32::try_from(high).is_ok(),
+                Kind::Uint => u32::try_from(low).is_ok() && u32::try_from(high).is_ok(),
+                Kind::Bool => low >= 0 && high <= 1,
+            };
+            low <= high && kinds.iter().all(fits)
+        }
+        Range::Unit => matches!(shape, Shape::Vector { .. }) && all_are(Kind::Float),
+    };
+    let leaf = |(i, kind): (usize, Kind)| {
+        let count = match (i, range) {
+            (0, Range::Unit) => kinds.len(),
+            (_, Range::Unit) => 0,
+            _ => 1,
+        };
+        Leaf {
+            kind,
+            range: range.clone(),
+            count,
+        }
+    };
+    suits.then(|| kinds.iter().copied().enumerate().map(leaf).collect())
+}
+
+impl Leaf {
+    fn draw(&self, rng: &mut Rng) -> u32 {
+        match self.range {
+            Range::Bits(low, high) => at_rank(rng.i64(rank(low)..=rank(high))).to_bits(),
+            Range::Linear(low, high) => {
+                let (low, high) = (f64::from(low), f64::from(high));
+                self.nearest(((low + (high - low) * rng.f64()) as f32).to_bits())
+            }
+            Range::Log(low, high) => {
+                let (a, b) = (f64::from(low.abs()).ln(), f64::from(high.abs()).ln());
+                let magnitude = (a + (b - a) * rng.f64()).exp() as f32;
+                self.nearest(magnitude.copysign(low).to_bits())
+            }
+            Range::Whole(low, high) => rng.i64(low..=high) as u32,
+            Range::Unit => rng.f32().to_bits(),
+        }
+    }
+
+    /// The nearest number inside.
+    fn nearest(&self, word: u32) -> u32 {
+        match self.range {
+            Range::Bits(low, high) | Range::Linear(low, high) | Range::Log(low, high) => {
+                let x = f32::from_bits(word);
+                if x.is_nan() {
+                    low.to_bits()
+                } else {
+                    x.clamp(low, high).to_bits()
+                }
+            }
+            Range::Whole(low, high) => {
+                let n = if self.kind == Kind::Sint {
+                    i64::from(word as i32)
+                } else {
+                    i64::from(word)
+                };
+                n.clamp(low, high) as u32
+            }
+            Range::Unit => word,
+        }
+    }
+
+    fn special(&self) -> Vec<Vec<u32>> {
+        let found: Vec<u32> = match self.range {
+            Range::Unit => return axes(self.count),
+            Range::Whole(low, high) => {
+                let all = [low, low + 1, -1, 0, 1, high - 1, high];
+                all.iter()
+                    .filter(|n| (low..=high).contains(n))
+                    .map(|&n| n as u32)
+                    .collect()
+            }
+            Range::Bits(low, high) | Range::Linear(low, high) | Range::Log(low, high) => {
+                let least = f32::from_bits(1);
+                let mut all = vec![low, low.next_up(), high.next_down(), high];
+                for x in [0.0, least, 1e-40, f32::MIN_POSITIVE, 1.0, f32::MAX] {
+                    all.extend([x, -x]);
+                }
+                all.extend([1.0_f32.next_down(), 1.0_f32.next_up(), 0.5, 2.0]);
+                all.retain(|x| (low..=high).contains(x));
+                all.into_iter().map(f32::to_bits).collect()
+            }
+        };
+        let mut found: Vec<Vec<u32>> = found.into_iter().map(|word| vec![word]).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+}
+
+/// Steps in rank of every size, both ways.
+fn step(rng: &mut Rng) -> i64 {
+    let size = 1_i64 << rng.u32(0..28);
+    let step = rng.i64(1..=size);
+    if rng.bool() { step } else { -step }
+}
+
+fn unit(count: usize, rng: &mut Rng) -> Vec<u32> {
+    loop {
+        // Points of the ball, pushed out to its surface.
+        let v: Vec<f64> = (0..count).map(|_| 2.0 * rng.f64() - 1.0).collect();
+        let square: f64 = v.iter().map(|x| x * x).sum();
+        if (1e-4..=1.0).contains(&square) {
+            return v
+                .iter()
+                .map(|x| ((x / square.sqrt()) as f32).to_bits())
+                .collect();
+        }
+    }
+}
+
+fn normalise(words: &mut [u32]) {
+    let numbers = words.iter().map(|&w| f64::from(f32::from_bits(w)));
+    let length = numbers.map(|x| x * x).sum::<f64>().sqrt();
+    for word in words {
+        let x = f64::from(f32::from_bits(*word)) / length;
+        *word = if x.is_finite() {
+            (x as f32).to_bits()
+        } else {
+            1.0_f32.to_bits()
+        };
+    }
+}
+
+/// The axes both ways, and directions barely off them.
+fn axes(count: usize) -> Vec<Vec<u32>> {
+    let mut found = Vec::new();
+    for axis in 0..count {
+        for sign in [1.0_f32, -1.0] {
+            for off in [0.0_f32, 1e-30, 1e-7, 1e-3] {
+                let mut v = vec![off; count];
+                v[axis] = sign;
+                let mut words: Vec<u32> = v.into_iter().map(f32::to_bits).collect();
+                normalise(&mut words);
+                found.push(words);
+            }
+        }
+    }
+    found
+}
