@@ -24,9 +24,16 @@ impl Composer {
         if module.role() == Role::Filling {
             report.extend(instance::check_filling(library, module));
         }
-        let alone = instance::resolve(library, module, None, &BTreeMap::new(), BTreeMap::new(), &BTreeSet::new())
-            .and_then(|instances| text::write_module(&instances))
-            .and_then(|written| ir::check(&written, library));
+        let alone = instance::resolve(
+            library,
+            module,
+            None,
+            &BTreeMap::new(),
+            BTreeMap::new(),
+            &BTreeSet::new(),
+        )
+        .and_then(|instances| text::write_module(&instances))
+        .and_then(|written| ir::check(&written, library));
         let sound = alone.is_ok();
         report.extend(alone.err().unwrap_or_default());
         if sound && module.role() == Role::Skeleton {
@@ -57,7 +64,10 @@ fn all_outputs(skeleton: &Module) -> Recipe {
             .outputs
             .iter()
             .map(|name| Output {
-                name: Spanned { value: name.text.clone(), place: Some(name.place.clone()) },
+                name: Spanned {
+                    value: name.text.clone(),
+                    place: Some(name.place.clone()),
+                },
                 format: "rgba16float".into(),
             })
             .collect(),
@@ -77,12 +87,22 @@ fn unused_needs(library: &Library, module: &Module) -> Report {
         .collect();
     let mut report = Report::default();
     for need in &module.header.needs {
-        let Some(needed) = library.get(&need.text) else { continue };
-        if !needed.outline.items.iter().any(|item| used.contains(item.name.as_str())) {
+        let Some(needed) = library.get(&need.text) else {
+            continue;
+        };
+        if !needed
+            .outline
+            .items
+            .iter()
+            .any(|item| used.contains(item.name.as_str()))
+        {
             report.add(
-                Diagnostic::warning(format!("`{}` needs `{}` and uses nothing of it", module.path, need.text))
-                    .at(&need.place, "not used")
-                    .with_help("leave it out"),
+                Diagnostic::warning(format!(
+                    "`{}` needs `{}` and uses nothing of it",
+                    module.path, need.text
+                ))
+                .at(&need.place, "not used")
+                .with_help("leave it out"),
             );
         }
     }

@@ -95,8 +95,14 @@ impl Composer {
         // Whoever comes second waits for the first rather than compose the same.
         let shader = cell.get_or_init(|| {
             self.composed.fetch_add(1, Ordering::Relaxed);
-            let paths: BTreeSet<String> = written.modules.iter().map(|(path, _)| path.clone()).collect();
-            ir::shader(written, &self.library).map(Arc::new).map_err(|wrong| self.all_faults(&paths, wrong))
+            let paths: BTreeSet<String> = written
+                .modules
+                .iter()
+                .map(|(path, _)| path.clone())
+                .collect();
+            ir::shader(written, &self.library)
+                .map(Arc::new)
+                .map_err(|wrong| self.all_faults(&paths, wrong))
         });
         if shader.is_err() {
             // Its messages name the places of this recipe, not of the next one.
@@ -110,15 +116,24 @@ impl Composer {
     fn all_faults(&self, paths: &BTreeSet<String>, whole: Report) -> Report {
         let mut report = whole;
         for path in paths {
-            let Some(module) = self.library.get(path).filter(|m| m.role() != Role::Skeleton) else {
+            let Some(module) = self
+                .library
+                .get(path)
+                .filter(|m| m.role() != Role::Skeleton)
+            else {
                 continue;
             };
             for fault in self.check_module(path).0 {
                 let told = |known: &Diagnostic| {
-                    let place = |d: &Diagnostic| d.labels.iter().find(|l| l.primary).map(|l| l.place.clone());
+                    let place = |d: &Diagnostic| {
+                        d.labels.iter().find(|l| l.primary).map(|l| l.place.clone())
+                    };
                     place(known) == place(&fault)
                 };
-                let own = fault.labels.iter().any(|l| l.primary && l.place.file == module.file);
+                let own = fault
+                    .labels
+                    .iter()
+                    .any(|l| l.primary && l.place.file == module.file);
                 if fault.severity == Severity::Error && own && !report.0.iter().any(told) {
                     report.add(fault);
                 }
@@ -132,10 +147,16 @@ impl Composer {
         let Some(skeleton) = self.library.get(&recipe.skeleton) else {
             return Report::default();
         };
-        self.resolve(skeleton, recipe).map(|instances| instances.unused).unwrap_or_default()
+        self.resolve(skeleton, recipe)
+            .map(|instances| instances.unused)
+            .unwrap_or_default()
     }
 
-    fn resolve<'l>(&'l self, skeleton: &'l Module, recipe: &Recipe) -> Result<instance::Instances<'l>, Report> {
+    fn resolve<'l>(
+        &'l self,
+        skeleton: &'l Module,
+        recipe: &Recipe,
+    ) -> Result<instance::Instances<'l>, Report> {
         instance::resolve(
             &self.library,
             skeleton,
@@ -155,7 +176,10 @@ impl Composer {
             if let Some(place) = place {
                 wrong = wrong.at(place, "a skeleton is wanted here");
             }
-            let skeletons = self.library.modules().filter(|m| m.role() == Role::Skeleton);
+            let skeletons = self
+                .library
+                .modules()
+                .filter(|m| m.role() == Role::Skeleton);
             return Err(wrong
                 .with_suggestion(&skeleton.path, skeletons.map(|m| m.path.as_str()))
                 .into());

@@ -60,7 +60,10 @@ impl<'l> Resolver<'l, '_> {
                     slot.leaf()
                 ))
                 .at(&module.place(signature(module, item)), "this signature")
-                .with_help(format!("write `{}`", one_line(&slot.file.text[signature(slot, wanted)]))),
+                .with_help(format!(
+                    "write `{}`",
+                    one_line(&slot.file.text[signature(slot, wanted)])
+                )),
                 None => Diagnostic::error(format!(
                     "`{}` provides `{}` but has no function `{}`",
                     module.path,
@@ -84,13 +87,18 @@ impl<'l> Resolver<'l, '_> {
         };
         let closure = self.library.closure(module);
         let alias = |name: &str| {
-            closure.iter().find_map(|module| match &module.item(name)?.kind {
-                ItemKind::Alias(ty) => Some(ty.as_str()),
-                _ => None,
-            })
+            closure
+                .iter()
+                .find_map(|module| match &module.item(name)?.kind {
+                    ItemKind::Alias(ty) => Some(ty.as_str()),
+                    _ => None,
+                })
         };
         let plain = |ty: &str| outline::without_aliases(ty, &alias);
-        Some((parameters.iter().map(|p| plain(&p.ty)).collect(), plain(result)))
+        Some((
+            parameters.iter().map(|p| plain(&p.ty)).collect(),
+            plain(result),
+        ))
     }
 
     pub fn check_numbers(&mut self, module: &Module, filling: &Filling) {
@@ -103,8 +111,9 @@ impl<'l> Resolver<'l, '_> {
             };
             if !module.overrides().any(|item| item.name == *name) {
                 let known = module.overrides().map(|item| item.name.as_str());
-                let unknown = Diagnostic::error(format!("`{}` has no number `{name}`", module.path))
-                    .with_suggestion(name, known);
+                let unknown =
+                    Diagnostic::error(format!("`{}` has no number `{name}`", module.path))
+                        .with_suggestion(name, known);
                 report(&mut self.report, unknown, "unknown number");
                 continue;
             }
@@ -117,31 +126,46 @@ impl<'l> Resolver<'l, '_> {
             let least = number.map_or(low, |n| n.least.max(low));
             let most = number.map_or(high, |n| n.most.min(high));
             if !(least..=most).contains(&value.value) {
-                let unit = number.filter(|n| !n.unit.is_empty()).map_or(String::new(), |n| format!(" {}", n.unit));
+                let unit = number
+                    .filter(|n| !n.unit.is_empty())
+                    .map_or(String::new(), |n| format!(" {}", n.unit));
                 let wrong = Diagnostic::error(format!(
                     "`{name}` of `{}` goes from {least} to {most}{unit}",
                     module.path
                 ));
-                report(&mut self.report, wrong, &format!("{} is outside", value.value));
+                report(
+                    &mut self.report,
+                    wrong,
+                    &format!("{} is outside", value.value),
+                );
             } else if matches!(ty, "i32" | "u32") && value.value.fract() != 0.0 {
-                let wrong = Diagnostic::error(format!("`{name}` of `{}` is a whole number", module.path));
+                let wrong =
+                    Diagnostic::error(format!("`{name}` of `{}` is a whole number", module.path));
                 report(&mut self.report, wrong, &format!("{} is none", value.value));
             }
         }
     }
 
     /// What is filled must be a slot: of the module, or one that something within may ask for.
-    pub fn check_fillings(&mut self, fillings: &BTreeMap<String, Filling>, module: Option<&Module>) {
+    pub fn check_fillings(
+        &mut self,
+        fillings: &BTreeMap<String, Filling>,
+        module: Option<&Module>,
+    ) {
         for (name, filling) in fillings {
             let own = module.is_some_and(|m| m.header.slots.iter().any(|s| s.name.text == *name));
             if !own && self.library.slot(name).is_none() {
                 let mut unknown = self.library.unknown_slot(name, filling.slot_place.as_ref());
                 if let Some(module) = module {
-                    let own: Vec<_> =
-                        module.header.slots.iter().map(|s| format!("`{}`", s.name.text)).collect();
+                    let own: Vec<_> = module
+                        .header
+                        .slots
+                        .iter()
+                        .map(|s| format!("`{}`", s.name.text))
+                        .collect();
                     if !own.is_empty() {
-                        unknown = unknown
-                            .with_help(format!("`{}` has {}", module.path, own.join(", ")));
+                        unknown =
+                            unknown.with_help(format!("`{}` has {}", module.path, own.join(", ")));
                     }
                 }
                 self.report.add(unknown);
@@ -155,12 +179,17 @@ impl<'l> Resolver<'l, '_> {
             return;
         }
         let closure = self.library.closure(module);
-        let known: BTreeSet<&str> = closure.iter().flat_map(|module| variables(module)).collect();
+        let known: BTreeSet<&str> = closure
+            .iter()
+            .flat_map(|module| variables(module))
+            .collect();
         for (name, resource) in &filling.reads {
             // What has no place was not written by anyone; slots may lead to any variable.
-            if !known.contains(name.as_str()) && resource.place.is_some() && module.header.slots.is_empty() {
-                let mut unknown =
-                    Diagnostic::error(format!("`{}` reads no `{name}`", module.path));
+            if !known.contains(name.as_str())
+                && resource.place.is_some()
+                && module.header.slots.is_empty()
+            {
+                let mut unknown = Diagnostic::error(format!("`{}` reads no `{name}`", module.path));
                 if let Some(place) = &resource.place {
                     unknown = unknown.at(place, "connected to nothing");
                 }
@@ -193,7 +222,9 @@ impl<'l> Resolver<'l, '_> {
                 ))
                 .see(&required.slot.place, "required here");
                 if let Some(place) = &self.instances[instance].place {
-                    let there = found.map_or_else(String::new, |path| format!("`{path}` fills `{}`", required.slot.text));
+                    let there = found.map_or_else(String::new, |path| {
+                        format!("`{path}` fills `{}`", required.slot.text)
+                    });
                     wrong = wrong.at(place, there);
                 }
                 self.report.add(wrong.with_help(format!(

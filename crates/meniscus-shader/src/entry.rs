@@ -29,14 +29,24 @@ const SCREEN_WORKGROUP: [u32; 3] = [8, 8, 1];
 const LIST_WORKGROUP: [u32; 3] = [64, 1, 1];
 
 pub(crate) fn write(skeleton: &Module, recipe: &Recipe) -> Result<Written, Report> {
-    let kind = skeleton.header.skeleton.as_ref().map_or("", |k| k.text.as_str());
+    let kind = skeleton
+        .header
+        .skeleton
+        .as_ref()
+        .map_or("", |k| k.text.as_str());
     match (kind, recipe.stage) {
         ("draw", Stage::Render) => draw(skeleton, recipe),
         ("screen", Stage::Render) => screen(skeleton, recipe),
         ("screen", Stage::Compute | Stage::List) => screen_compute(skeleton, recipe),
         ("compute", _) => compute(skeleton, recipe),
-        ("draw", _) => Err(wrong(skeleton, "a drawing skeleton runs in no compute shader")),
-        _ => Err(wrong(skeleton, "a skeleton is `draw`, `screen` or `compute`")),
+        ("draw", _) => Err(wrong(
+            skeleton,
+            "a drawing skeleton runs in no compute shader",
+        )),
+        _ => Err(wrong(
+            skeleton,
+            "a skeleton is `draw`, `screen` or `compute`",
+        )),
     }
 }
 
@@ -81,23 +91,47 @@ fn wrong_function(skeleton: &Module, signature: &Signature, what: String) -> Rep
 fn check_state(skeleton: &Module, stage: &Signature, recipe: &Recipe) -> Result<(), Report> {
     let name = &stage.item.name;
     if stage.result.is_empty() {
-        return Err(wrong_function(skeleton, stage, format!("`{name}` must return what the outputs are made of")));
+        return Err(wrong_function(
+            skeleton,
+            stage,
+            format!("`{name}` must return what the outputs are made of"),
+        ));
     }
     let mut report = Report::default();
-    let outputs = recipe.outputs.iter().map(|output| format!("write_{}", output.name.value));
+    let outputs = recipe
+        .outputs
+        .iter()
+        .map(|output| format!("write_{}", output.name.value));
     for function_name in outputs.chain(["keep".to_owned()]) {
-        let Ok(signature) = function(skeleton, &function_name) else { continue };
+        let Ok(signature) = function(skeleton, &function_name) else {
+            continue;
+        };
         if !matches!(signature.parameters, [state] if state.ty == stage.result) {
             report.extend(wrong_function(
                 skeleton,
                 &signature,
-                format!("`{function_name}` takes what `{name}` returns: a `{}`", stage.result),
+                format!(
+                    "`{function_name}` takes what `{name}` returns: a `{}`",
+                    stage.result
+                ),
             ));
         }
-        let wanted = if function_name == "keep" { signature.result == "bool" } else { !signature.result.is_empty() };
+        let wanted = if function_name == "keep" {
+            signature.result == "bool"
+        } else {
+            !signature.result.is_empty()
+        };
         if !wanted {
-            let what = if function_name == "keep" { "a `bool`" } else { "what is written" };
-            report.extend(wrong_function(skeleton, &signature, format!("`{function_name}` must return {what}")));
+            let what = if function_name == "keep" {
+                "a `bool`"
+            } else {
+                "what is written"
+            };
+            report.extend(wrong_function(
+                skeleton,
+                &signature,
+                format!("`{function_name}` must return {what}"),
+            ));
         }
     }
     report.into_result(())
@@ -127,9 +161,12 @@ fn outputs(skeleton: &Module, recipe: &Recipe) -> Result<Vec<(String, String)>, 
         match (known, function(skeleton, &format!("write_{name}"))) {
             (Some(_), Ok(signature)) => found.push((name.clone(), signature.result.to_owned())),
             (Some(declared), Err(_)) => report.add(
-                Diagnostic::error(format!("`{}` has no function `write_{name}`", skeleton.path))
-                    .at(&declared.place, "an output that nothing makes")
-                    .with_help(format!("declare `fn write_{name}(…) -> vec4f`")),
+                Diagnostic::error(format!(
+                    "`{}` has no function `write_{name}`",
+                    skeleton.path
+                ))
+                .at(&declared.place, "an output that nothing makes")
+                .with_help(format!("declare `fn write_{name}(…) -> vec4f`")),
             ),
             _ => {
                 let mut unknown =
@@ -147,7 +184,11 @@ fn outputs(skeleton: &Module, recipe: &Recipe) -> Result<Vec<(String, String)>, 
 
 /// Whether a type may pass from stage to stage.
 fn is_io(ty: &str) -> bool {
-    let vector = |size: char| ["f", "u", "i"].iter().any(|scalar| ty == format!("vec{size}{scalar}"));
+    let vector = |size: char| {
+        ["f", "u", "i"]
+            .iter()
+            .any(|scalar| ty == format!("vec{size}{scalar}"))
+    };
     matches!(ty, "f32" | "u32" | "i32") || ['2', '3', '4'].into_iter().any(vector)
 }
 
@@ -180,7 +221,11 @@ fn finish(skeleton: &Module, outputs: &[(String, String)]) -> (String, &'static 
         return (String::new(), "", keep);
     }
     let (declared, made) = targets(outputs);
-    (declared, " -> PassOutputs", format!("{keep}    return {made};\n"))
+    (
+        declared,
+        " -> PassOutputs",
+        format!("{keep}    return {made};\n"),
+    )
 }
 
 fn draw(skeleton: &Module, recipe: &Recipe) -> Result<Written, Report> {
@@ -205,11 +250,21 @@ fn draw(skeleton: &Module, recipe: &Recipe) -> Result<Written, Report> {
         return Err(wrong_function(
             skeleton,
             &vertex,
-            format!("`{}` of `{}` is a `{}`, which no vertex shader can hand on: only numbers and vectors can be", member.name, vertex.result, member.ty),
+            format!(
+                "`{}` of `{}` is a `{}`, which no vertex shader can hand on: only numbers and vectors can be",
+                member.name, vertex.result, member.ty
+            ),
         ));
     }
-    if fragment.parameters.first().is_none_or(|v| v.ty != vertex.result) {
-        let what = format!("`fragment` takes what `vertex` returns: a `{}`", vertex.result);
+    if fragment
+        .parameters
+        .first()
+        .is_none_or(|v| v.ty != vertex.result)
+    {
+        let what = format!(
+            "`fragment` takes what `vertex` returns: a `{}`",
+            vertex.result
+        );
         return Err(wrong_function(skeleton, &fragment, what));
     }
     check_state(skeleton, &fragment, recipe)?;
@@ -217,13 +272,20 @@ fn draw(skeleton: &Module, recipe: &Recipe) -> Result<Written, Report> {
     let mut parameters = Vec::new();
     for (index, parameter) in vertex.parameters.iter().enumerate() {
         let location = index as u32;
-        parameters.push(format!("@location({location}) in_{}: {}", parameter.name, parameter.ty));
+        parameters.push(format!(
+            "@location({location}) in_{}: {}",
+            parameter.name, parameter.ty
+        ));
         attributes.push(Attribute {
             name: parameter.name.clone(),
             location,
         });
     }
-    let names: Vec<String> = vertex.parameters.iter().map(|p| format!("in_{}", p.name)).collect();
+    let names: Vec<String> = vertex
+        .parameters
+        .iter()
+        .map(|p| format!("in_{}", p.name))
+        .collect();
     let mut varying = String::new();
     let mut location = 0;
     for member in members {
@@ -238,19 +300,30 @@ fn draw(skeleton: &Module, recipe: &Recipe) -> Result<Written, Report> {
             format!(
                 "@location({}){}",
                 location - 1,
-                if flat { " @interpolate(flat, first)" } else { "" }
+                if flat {
+                    " @interpolate(flat, first)"
+                } else {
+                    ""
+                }
             )
         };
         let _ = writeln!(varying, "    {attribute} {}: {},", member.name, member.ty);
     }
     let copies = |from: &str| {
-        let values: Vec<String> = members.iter().map(|m| format!("{from}.{}", m.name)).collect();
+        let values: Vec<String> = members
+            .iter()
+            .map(|m| format!("{from}.{}", m.name))
+            .collect();
         values.join(", ")
     };
     let outputs = outputs(skeleton, recipe)?;
     let (declared, result, end) = finish(skeleton, &outputs);
     let extra = builtin_arguments(skeleton, &fragment, 1)?;
-    let front = if extra.contains(", front") { ", @builtin(front_facing) front: bool" } else { "" };
+    let front = if extra.contains(", front") {
+        ", @builtin(front_facing) front: bool"
+    } else {
+        ""
+    };
     let ty = vertex.result;
     let text = format!(
         "struct PassVarying {{\n{varying}}}\n\n{declared}\
@@ -278,7 +351,11 @@ fn render_entry() -> Entry {
 }
 
 /// The arguments after the first `given` of a fragment function: `pixel` and `front`, by name.
-fn builtin_arguments(skeleton: &Module, signature: &Signature, given: usize) -> Result<String, Report> {
+fn builtin_arguments(
+    skeleton: &Module,
+    signature: &Signature,
+    given: usize,
+) -> Result<String, Report> {
     let mut arguments = String::new();
     for parameter in signature.parameters.iter().skip(given) {
         match (parameter.name.as_str(), parameter.ty.as_str()) {
@@ -324,16 +401,27 @@ fn screen_compute(skeleton: &Module, recipe: &Recipe) -> Result<Written, Report>
     let mut text = String::new();
     let mut stores = String::new();
     for ((name, ty), output) in outputs.iter().zip(&recipe.outputs) {
-        let _ = writeln!(text, "var target_{name}: texture_storage_2d<{}, write>;", output.format);
+        let _ = writeln!(
+            text,
+            "var target_{name}: texture_storage_2d<{}, write>;",
+            output.format
+        );
         let value = match ty.as_str() {
             "f32" => format!("vec4f(write_{name}(state))"),
             "u32" => format!("vec4u(write_{name}(state))"),
             _ => format!("write_{name}(state)"),
         };
-        let _ = writeln!(stores, "    textureStore(target_{name}, vec2i(pixel), {value});");
+        let _ = writeln!(
+            stores,
+            "    textureStore(target_{name}, vec2i(pixel), {value});"
+        );
     }
     let list = recipe.stage == Stage::List;
-    let workgroup = if list { LIST_WORKGROUP } else { SCREEN_WORKGROUP };
+    let workgroup = if list {
+        LIST_WORKGROUP
+    } else {
+        SCREEN_WORKGROUP
+    };
     let [x, y, _] = workgroup;
     let keep = keep(skeleton, "return");
     let size = match outputs.first() {
@@ -385,7 +473,10 @@ fn compute(skeleton: &Module, recipe: &Recipe) -> Result<Written, Report> {
     let [x, y, z] = workgroup;
     let wanted = signature.parameters;
     if !matches!(wanted, [thread] if thread.ty == "vec3u") {
-        return Err(wrong(skeleton, "`compute` takes `thread: vec3u`, its place among all threads"));
+        return Err(wrong(
+            skeleton,
+            "`compute` takes `thread: vec3u`, its place among all threads",
+        ));
     }
     Ok(Written {
         text: format!(

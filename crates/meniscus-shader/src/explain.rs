@@ -39,7 +39,11 @@ pub(crate) fn explain(
     labels.sort_by_key(|(range, _)| range.as_ref().map_or(usize::MAX, |r| r.len()));
     for (range, words) in labels {
         let Some(range) = range else { continue };
-        let words = if words.starts_with("naga::") { String::new() } else { words };
+        let words = if words.starts_with("naga::") {
+            String::new()
+        } else {
+            words
+        };
         if words.is_empty() && first.is_some() {
             continue;
         }
@@ -80,8 +84,10 @@ pub(crate) fn explain(
                     owners.join(" or "),
                     place.file.name
                 )),
-                _ if library.slot(&word).is_some() => diagnostic
-                    .with_help(format!("`{word}` is a slot: add it to `// slots: …` in {}", place.file.name)),
+                _ if library.slot(&word).is_some() => diagnostic.with_help(format!(
+                    "`{word}` is a slot: add it to `// slots: …` in {}",
+                    place.file.name
+                )),
                 Some(user) => match meniscus_source::did_you_mean(&word, visible(library, user)) {
                     Some(near) => diagnostic.with_help(format!("did you mean `{near}`?")),
                     None => diagnostic,
@@ -119,13 +125,22 @@ fn restore(text: &str, originals: &BTreeMap<String, String>) -> String {
     restored
 }
 
-
 /// Names that a module may use: its own, those of what it needs, and those of the slots it calls.
 fn visible<'l>(library: &'l Library, module: &'l Module) -> BTreeSet<&'l str> {
     let closure = library.closure(module);
-    let items = closure.iter().flat_map(|m| m.outline.items.iter().map(|item| item.name.as_str()));
-    let locals = module.outline.items.iter().flat_map(|item| item.locals.iter().map(String::as_str));
-    let slots = module.header.slots.iter().map(|used| used.name.text.as_str());
+    let items = closure
+        .iter()
+        .flat_map(|m| m.outline.items.iter().map(|item| item.name.as_str()));
+    let locals = module
+        .outline
+        .items
+        .iter()
+        .flat_map(|item| item.locals.iter().map(String::as_str));
+    let slots = module
+        .header
+        .slots
+        .iter()
+        .map(|used| used.name.text.as_str());
     items.chain(locals).chain(slots).collect()
 }
 
@@ -141,12 +156,21 @@ fn one_line(text: &str) -> String {
 /// Without naga's handles: `Expression [12] is invalid` becomes `Expression is invalid`.
 fn plain(text: &str) -> String {
     let mut kept = String::with_capacity(text.len());
-    let text = text.replace(" Some([", " [").replace("]) ", "] ").replace("])", "]");
+    let text = text
+        .replace(" Some([", " [")
+        .replace("]) ", "] ")
+        .replace("])", "]");
     let mut rest = text.as_str();
     while let Some(start) = rest.find(" [") {
-        let digits = rest[start + 2..].find(|c: char| !c.is_ascii_digit()).unwrap_or(0);
+        let digits = rest[start + 2..]
+            .find(|c: char| !c.is_ascii_digit())
+            .unwrap_or(0);
         let handle = digits > 0 && rest[start + 2 + digits..].starts_with(']');
-        let end = if handle { start + 2 + digits + 1 } else { start + 2 };
+        let end = if handle {
+            start + 2 + digits + 1
+        } else {
+            start + 2
+        };
         kept.push_str(&rest[..if handle { start } else { end }]);
         rest = &rest[end..];
     }
@@ -160,8 +184,17 @@ mod tests {
 
     #[test]
     fn handles_are_left_out_and_the_rest_stays() {
-        assert_eq!(plain("Function [3] 'f': Expression [12] is bad"), "Function 'f': Expression is bad");
-        assert_eq!(plain("expression Some([1]) is not Some([2])"), "expression is not");
-        assert_eq!(plain("a [b] array<f32, 3> [1 [12"), "a [b] array<f32, 3> [1 [12");
+        assert_eq!(
+            plain("Function [3] 'f': Expression [12] is bad"),
+            "Function 'f': Expression is bad"
+        );
+        assert_eq!(
+            plain("expression Some([1]) is not Some([2])"),
+            "expression is not"
+        );
+        assert_eq!(
+            plain("a [b] array<f32, 3> [1 [12"),
+            "a [b] array<f32, 3> [1 [12"
+        );
     }
 }

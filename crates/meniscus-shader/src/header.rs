@@ -134,18 +134,22 @@ impl Header {
             ("needs", true) => self.needs.extend(names()),
             ("outputs", true) => self.outputs.extend(names()),
             ("flat", true) => self.flat.extend(names()),
-            ("slots", true) => self.slots.extend(names().into_iter().map(|name| {
-                match name.text.split_once(':') {
-                    Some((own, slot)) => SlotUse {
-                        slot: part(file, slot, name.place.range.start + own.len() + 1),
-                        name: part(file, own, name.place.range.start),
-                    },
-                    None => SlotUse {
-                        slot: name.clone(),
-                        name,
-                    },
-                }
-            })),
+            ("slots", true) => {
+                self.slots.extend(
+                    names()
+                        .into_iter()
+                        .map(|name| match name.text.split_once(':') {
+                            Some((own, slot)) => SlotUse {
+                                slot: part(file, slot, name.place.range.start + own.len() + 1),
+                                name: part(file, own, name.place.range.start),
+                            },
+                            None => SlotUse {
+                                slot: name.clone(),
+                                name,
+                            },
+                        }),
+                )
+            }
             ("requires", true) => {
                 for name in names() {
                     let (slot, module) = name.text.split_once('=').ok_or_else(|| {
@@ -241,7 +245,9 @@ fn list(file: &Arc<SourceFile>, text: &str, start: usize) -> Vec<Name> {
 fn one(file: &Arc<SourceFile>, text: &str, start: usize) -> Result<Name, Diagnostic> {
     let name = part(file, text, start);
     if name.text.is_empty() {
-        return Err(Diagnostic::error("nothing follows the colon").at(&name.place, "a name is missing"));
+        return Err(
+            Diagnostic::error("nothing follows the colon").at(&name.place, "a name is missing")
+        );
     }
     Ok(name)
 }
@@ -258,7 +264,12 @@ fn number(name: Name, said: &Name) -> Result<Number, Diagnostic> {
         None => (said.text.as_str(), "0"),
     };
     let mut words = range.split_whitespace();
-    let mut value = || words.next().and_then(|w| w.parse::<f64>().ok()).filter(|v| v.is_finite());
+    let mut value = || {
+        words
+            .next()
+            .and_then(|w| w.parse::<f64>().ok())
+            .filter(|v| v.is_finite())
+    };
     let least = value().ok_or_else(|| wrong("no least value"))?;
     let mut words = range.split_whitespace().skip(1);
     if words.next() != Some("to") {
@@ -271,7 +282,13 @@ fn number(name: Name, said: &Name) -> Result<Number, Diagnostic> {
         .ok_or_else(|| wrong("no most value, or one under the least"))?;
     let unit = words.collect::<Vec<_>>().join(" ");
     let step = step.parse().map_err(|_| wrong("the step is no number"))?;
-    Ok(Number { name, least, most, step, unit })
+    Ok(Number {
+        name,
+        least,
+        most,
+        step,
+        unit,
+    })
 }
 
 #[cfg(test)]
@@ -300,7 +317,10 @@ mod tests {
         assert_eq!(header.slots[1].name.text, "reproject");
         assert_eq!(header.requires[0].module.place.text(), "screen/plain");
         let number = &header.numbers[0];
-        assert_eq!((number.least, number.most, number.step, number.unit.as_str()), (0.0, 64.0, 0.05, "px"));
+        assert_eq!(
+            (number.least, number.most, number.step, number.unit.as_str()),
+            (0.0, 64.0, 0.05, "px")
+        );
         assert_eq!(number.name.place.text(), "bound_px");
         assert_eq!(header.numbers[1].name.place.to_string(), "m.wgsl:9:11");
         assert_eq!(header.when[0].facts[1].place.text(), "displaced");
@@ -319,7 +339,10 @@ mod tests {
         ] {
             let (_, report) = read(&format!("// P.\n{line}\n"));
             let text = report.to_string();
-            assert!(text.contains(words) && text.contains("m.wgsl:2:"), "{line}: {text}");
+            assert!(
+                text.contains(words) && text.contains("m.wgsl:2:"),
+                "{line}: {text}"
+            );
         }
     }
 }

@@ -78,6 +78,15 @@ pub(crate) struct Resolver<'l, 'r> {
     pub report: Report,
 }
 
+/// Why an instance is there.
+#[derive(Clone, Copy)]
+enum Asked<'p> {
+    /// A pipeline filled a slot with it.
+    At(Option<&'p Place>),
+    /// Nothing else was said, or another module needs it.
+    ByDefault,
+}
+
 #[derive(Clone, Copy)]
 enum Filled {
     InProgress,
@@ -99,7 +108,11 @@ pub(crate) fn resolve<'l>(
     let slots = resolver.slots_of(skeleton, 0);
     let needs = resolver.needs_of(skeleton, 0);
     // A filling by itself may call the slot that it fills, so it gets a name of its own.
-    let provides = skeleton.header.provides.as_ref().filter(|_| skeleton.role() == Role::Filling);
+    let provides = skeleton
+        .header
+        .provides
+        .as_ref()
+        .filter(|_| skeleton.role() == Role::Filling);
     let slot = provides.and_then(|name| library.slot(&name.text));
     resolver.instances.push(Instance {
         module: skeleton,
@@ -111,26 +124,43 @@ pub(crate) fn resolve<'l>(
         place: place.cloned(),
     });
     let unused = resolver.unused();
-    let Resolver { mut instances, report, .. } = resolver;
+    let Resolver {
+        mut instances,
+        report,
+        ..
+    } = resolver;
     // What a module brings in is asked for where the module is.
     for index in (0..instances.len()).rev() {
         let parent = &instances[index];
         let place = parent.place.clone();
-        let parts: Vec<usize> = parent.slots.iter().map(|(_, i)| *i).chain(parent.needs.iter().copied()).collect();
+        let parts: Vec<usize> = parent
+            .slots
+            .iter()
+            .map(|(_, i)| *i)
+            .chain(parent.needs.iter().copied())
+            .collect();
         for part in parts {
             if instances[part].place.is_none() {
                 instances[part].place.clone_from(&place);
             }
         }
     }
-    report.into_result(Instances { all: instances, reads, unused })
+    report.into_result(Instances {
+        all: instances,
+        reads,
+        unused,
+    })
 }
 
 /// Checks that a module has the functions of the slot that it says it fills.
 pub(crate) fn check_filling(library: &Library, module: &Module) -> Report {
     let (fillings, facts) = (BTreeMap::new(), BTreeSet::new());
     let mut resolver = Resolver::new(library, &fillings, BTreeMap::new(), &facts);
-    let slot = module.header.provides.as_ref().and_then(|name| library.slot(&name.text));
+    let slot = module
+        .header
+        .provides
+        .as_ref()
+        .and_then(|name| library.slot(&name.text));
     if let Some(slot) = slot {
         resolver.check_contract(module, slot, None);
     }
@@ -195,7 +225,10 @@ impl<'l, 'r> Resolver<'l, 'r> {
         while let Some(current) = next {
             let fillings: &'r BTreeMap<String, Filling> = self.scopes[current].fillings;
             let own = (current == scope).then_some(used.name.text.as_str());
-            let named = own.into_iter().chain([used.slot.text.as_str()]).find_map(|name| fillings.get_key_value(name));
+            let named = own
+                .into_iter()
+                .chain([used.slot.text.as_str()])
+                .find_map(|name| fillings.get_key_value(name));
             if let Some((name, filling)) = named {
                 let key = (current, name.clone());
                 match self.filled.get(&key) {
@@ -204,22 +237,28 @@ impl<'l, 'r> Resolver<'l, 'r> {
                     // It is this very filling, or one within it, that asks: the next one out is meant.
                     Some(Filled::InProgress) if enclosing.contains(&key) => {}
                     Some(Filled::InProgress) => {
-                        let mut circle =
-                            Diagnostic::error(format!("the filling of `{name}` calls itself by way of others"));
+                        let mut circle = Diagnostic::error(format!(
+                            "the filling of `{name}` calls itself by way of others"
+                        ));
                         if let Some(place) = &filling.module.place {
                             circle = circle.at(place, "comes back here");
                         }
-                        self.report.add(
-                            circle
-                                .see(&used.name.place, "called here")
-                                .with_help(format!("give one of them a filling of its own for `{}`", used.slot.text)),
-                        );
+                        self.report
+                            .add(
+                                circle
+                                    .see(&used.name.place, "called here")
+                                    .with_help(format!(
+                                        "give one of them a filling of its own for `{}`",
+                                        used.slot.text
+                                    )),
+                            );
                         return None;
                     }
                     None => {
                         self.filled.insert(key.clone(), Filled::InProgress);
                         let instance = self.fill(filling, slot, name, current);
-                        self.filled.insert(key, instance.map_or(Filled::Failed, Filled::Done));
+                        self.filled
+                            .insert(key, instance.map_or(Filled::Failed, Filled::Done));
                         return instance;
                     }
                 }
@@ -239,7 +278,10 @@ impl<'l, 'r> Resolver<'l, 'r> {
         if self.defaulting.contains(&slot.path) {
             self.report.add(
                 Diagnostic::error(format!("the slot `{}` is filled by itself", slot.leaf()))
-                    .at(&used.name.place, "nothing but this filling is there to call")
+                    .at(
+                        &used.name.place,
+                        "nothing but this filling is there to call",
+                    )
                     .with_help(format!("fill `{}` in the pipeline", used.name.text)),
             );
             return None;
@@ -249,9 +291,12 @@ impl<'l, 'r> Resolver<'l, 'r> {
             self.check_contract(module, slot, place)?;
         }
         self.defaulting.push(slot.path.clone());
-        let mut role = self.scopes[scope].role.clone();
-        role.push(slot.leaf().to_owned());
-        let instance = self.instance(module, Some(slot), role, scope, None);
+        // Mostly there is one default of a slot; it has the slot's name.
+        let leaf = slot.leaf().to_owned();
+        let first = !self.scopes[0].fillings.contains_key(&leaf) && !self.defaults.keys().any(|(path, _)| *path == slot.path);
+        let mut role = if first { Vec::new() } else { self.scopes[scope].role.clone() };
+        role.push(leaf);
+        let instance = self.instance(module, Some(slot), role, scope, Asked::ByDefault);
         self.check_requirements(instance, scope);
         self.defaulting.pop();
         self.defaults.insert(key, instance);
@@ -261,13 +306,27 @@ impl<'l, 'r> Resolver<'l, 'r> {
     /// The module that fills a slot which nothing else fills, and where the slot says so.
     pub fn default_module(&self, slot: &'l Module) -> Option<(&'l Module, Option<&'l Place>)> {
         let holds = |fact: &Name| self.facts.contains(&fact.text);
-        match slot.header.when.iter().find(|when| when.facts.iter().all(holds)) {
-            Some(when) => Some((self.library.get(&when.module.text)?, Some(&when.module.place))),
+        match slot
+            .header
+            .when
+            .iter()
+            .find(|when| when.facts.iter().all(holds))
+        {
+            Some(when) => Some((
+                self.library.get(&when.module.text)?,
+                Some(&when.module.place),
+            )),
             None => Some((slot, None)),
         }
     }
 
-    fn fill(&mut self, filling: &'r Filling, slot: &'l Module, name: &str, scope: usize) -> Option<usize> {
+    fn fill(
+        &mut self,
+        filling: &'r Filling,
+        slot: &'l Module,
+        name: &str,
+        scope: usize,
+    ) -> Option<usize> {
         let place = filling.module.place.as_ref();
         let module = match self.library.find(&filling.module, place) {
             Ok(module) => module,
@@ -283,7 +342,12 @@ impl<'l, 'r> Resolver<'l, 'r> {
         let mut role = self.scopes[scope].role.clone();
         role.push(name.to_owned());
         let mut reads = self.scopes[scope].reads.clone();
-        reads.extend(filling.reads.iter().map(|(k, v)| (k.clone(), v.value.clone())));
+        reads.extend(
+            filling
+                .reads
+                .iter()
+                .map(|(k, v)| (k.clone(), v.value.clone())),
+        );
         let inner = self.scopes.len();
         self.scopes.push(Scope {
             parent: Some(scope),
@@ -292,7 +356,7 @@ impl<'l, 'r> Resolver<'l, 'r> {
             reads,
             key: Some((scope, name.to_owned())),
         });
-        let instance = self.instance(module, Some(slot), role, inner, place);
+        let instance = self.instance(module, Some(slot), role, inner, Asked::At(place));
         self.check_requirements(instance, inner);
         Some(instance)
     }
@@ -304,15 +368,28 @@ impl<'l, 'r> Resolver<'l, 'r> {
         slot: Option<&'l Module>,
         role: Vec<String>,
         scope: usize,
-        place: Option<&Place>,
+        asked: Asked,
     ) -> usize {
         let slots = self.slots_of(module, scope);
         let needs = self.needs_of(module, scope);
         let reads = self.reads_of(module, scope);
-        let parts = slots.iter().map(|(_, i)| *i).chain(needs.iter().copied()).collect();
-        let shape = (module.path.clone(), slot.map(|s| s.path.clone()), reads.clone(), parts);
-        // Numbers have names of their own in every role.
-        let shareable = slot.is_none() || module.overrides().next().is_none();
+        let parts = slots
+            .iter()
+            .map(|(_, i)| *i)
+            .chain(needs.iter().copied())
+            .collect();
+        let shape = (
+            module.path.clone(),
+            slot.map(|s| s.path.clone()),
+            reads.clone(),
+            parts,
+        );
+        // Every filling has numbers of its own; a default has the defaults everywhere.
+        let numbers = slot.is_some() && module.overrides().next().is_some();
+        let (shareable, place) = match asked {
+            Asked::ByDefault => (true, None),
+            Asked::At(place) => (!numbers, place),
+        };
         if let Some(&there) = self.shapes.get(&shape).filter(|_| shareable) {
             return there;
         }
@@ -325,7 +402,9 @@ impl<'l, 'r> Resolver<'l, 'r> {
             needs,
             place: place.cloned(),
         });
-        self.shapes.insert(shape, self.instances.len() - 1);
+        if shareable {
+            self.shapes.insert(shape, self.instances.len() - 1);
+        }
         self.instances.len() - 1
     }
 
@@ -353,7 +432,7 @@ impl<'l, 'r> Resolver<'l, 'r> {
             match self.library.find(&need.text, Some(&need.place)) {
                 Ok(needed) if needed.role() == Role::Shared => {
                     if self.enter(need) {
-                        let instance = self.instance(needed, None, Vec::new(), scope, None);
+                        let instance = self.instance(needed, None, Vec::new(), scope, Asked::ByDefault);
                         self.depth -= 1;
                         self.needed.insert(key, instance);
                         found.push(instance);
@@ -379,7 +458,8 @@ impl<'l, 'r> Resolver<'l, 'r> {
         };
         // Said once: everything that follows from it would only repeat it.
         if !self.report.0.iter().any(|d| d.message == what) {
-            self.report.add(Diagnostic::error(what).at(&name.place, "here it becomes too much"));
+            self.report
+                .add(Diagnostic::error(what).at(&name.place, "here it becomes too much"));
         }
         false
     }
@@ -390,7 +470,9 @@ impl<'l, 'r> Resolver<'l, 'r> {
         let reads = &self.scopes[scope].reads;
         variables(module)
             .filter_map(|name| Some((name, reads.get(name)?)))
-            .filter(|(name, resource)| shared.get(*name).map_or(*name, String::as_str) != resource.as_str())
+            .filter(|(name, resource)| {
+                shared.get(*name).map_or(*name, String::as_str) != resource.as_str()
+            })
             .map(|(name, resource)| (name.to_owned(), resource.clone()))
             .collect()
     }
@@ -403,8 +485,13 @@ impl<'l, 'r> Resolver<'l, 'r> {
                 if self.filled.contains_key(&(index, name.clone())) {
                     continue;
                 }
-                let mut unused = Diagnostic::warning(format!("nothing here asks for the slot `{name}`"));
-                if let Some(place) = filling.slot_place.as_ref().or(filling.module.place.as_ref()) {
+                let mut unused =
+                    Diagnostic::warning(format!("nothing here asks for the slot `{name}`"));
+                if let Some(place) = filling
+                    .slot_place
+                    .as_ref()
+                    .or(filling.module.place.as_ref())
+                {
                     unused = unused.at(place, "a filling without effect");
                 }
                 report.add(unused);

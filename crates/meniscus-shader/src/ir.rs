@@ -6,8 +6,8 @@ use meniscus_source::{Diagnostic, Report};
 use naga::valid::{Capabilities, GlobalUse, ModuleInfo, ValidationFlags, Validator};
 
 use crate::explain::{chain_of, explain};
-use crate::library::Library;
 use crate::lexer::Kind;
+use crate::library::Library;
 use crate::shader::{Binding, BindingKind, Sample, Shader};
 use crate::text::Written;
 
@@ -23,7 +23,9 @@ fn on_large_stack<T: Send>(run: impl FnOnce() -> Result<T, Report> + Send) -> Re
         std::thread::Builder::new()
             .stack_size(PARSER_STACK)
             .spawn_scoped(scope, run)
-            .map_err(|error| Report::from(Diagnostic::error(format!("cannot start a parser: {error}"))))?
+            .map_err(|error| {
+                Report::from(Diagnostic::error(format!("cannot start a parser: {error}")))
+            })?
             .join()
             .unwrap_or_else(|_| {
                 Err(Diagnostic::error("naga gave up on a shader without saying why").into())
@@ -48,7 +50,12 @@ pub(crate) fn shader(written: Written, library: &Library) -> Result<Shader, Repo
     let overrides = written
         .overrides
         .iter()
-        .filter(|(_, name)| module.overrides.iter().any(|(_, o)| o.name.as_ref() == Some(name)))
+        .filter(|(_, name)| {
+            module
+                .overrides
+                .iter()
+                .any(|(_, o)| o.name.as_ref() == Some(name))
+        })
         .map(|(path, name)| (path.clone(), name.clone()))
         .collect();
     let hash = blake3::hash(text.as_bytes()).to_hex().to_string();
@@ -89,20 +96,28 @@ fn validate(
     written: &Written,
     library: &Library,
 ) -> Result<ModuleInfo, Report> {
-    Validator::new(flags, Capabilities::empty()).validate(module).map_err(|error| {
-        let labels = error
-            .spans()
-            .map(|(span, words)| (span.to_range(), words.clone()))
-            .collect();
-        explain(written, library, &chain_of(error.as_inner()), labels, &[])
-    })
+    Validator::new(flags, Capabilities::empty())
+        .validate(module)
+        .map_err(|error| {
+            let labels = error
+                .spans()
+                .map(|(span, words)| (span.to_range(), words.clone()))
+                .collect();
+            explain(written, library, &chain_of(error.as_inner()), labels, &[])
+        })
 }
 
-fn finish(written: &Written, library: &Library) -> Result<(naga::Module, ModuleInfo, Stages), Report> {
+fn finish(
+    written: &Written,
+    library: &Library,
+) -> Result<(naga::Module, ModuleInfo, Stages), Report> {
     let (mut module, info) = parse(written, library)?;
     let stages = stages(&module, &info);
     for (number, name) in stages.keys().enumerate() {
-        let found = module.global_variables.iter_mut().find(|(_, v)| v.name.as_ref() == Some(name));
+        let found = module
+            .global_variables
+            .iter_mut()
+            .find(|(_, v)| v.name.as_ref() == Some(name));
         if let Some((_, variable)) = found {
             variable.binding = Some(naga::ResourceBinding {
                 group: 0,
@@ -121,7 +136,9 @@ fn stages(module: &naga::Module, info: &ModuleInfo) -> Stages {
         let Some(name) = &variable.name else { continue };
         let resource = matches!(
             variable.space,
-            naga::AddressSpace::Uniform | naga::AddressSpace::Storage { .. } | naga::AddressSpace::Handle
+            naga::AddressSpace::Uniform
+                | naga::AddressSpace::Storage { .. }
+                | naga::AddressSpace::Handle
         );
         for (index, entry) in module.entry_points.iter().enumerate() {
             if resource && info.get_entry_point(index)[handle] != GlobalUse::empty() {
@@ -198,8 +215,10 @@ fn bindings(
 
 /// The text with the bindings that the IR has.
 fn with_bindings(text: &str, bindings: &[Binding]) -> String {
-    let numbers: BTreeMap<&str, u32> =
-        bindings.iter().map(|b| (b.variable.as_str(), b.index)).collect();
+    let numbers: BTreeMap<&str, u32> = bindings
+        .iter()
+        .map(|b| (b.variable.as_str(), b.index))
+        .collect();
     let mut bound = String::with_capacity(text.len() + 32 * bindings.len());
     let mut at = 0;
     for item in crate::outline::Outline::of(text).items {

@@ -54,7 +54,10 @@ pub(crate) fn tokens(text: &str) -> Vec<Token> {
 }
 
 fn is_line_break(c: char) -> bool {
-    matches!(c, '\n' | '\r' | '\u{b}' | '\u{c}' | '\u{85}' | '\u{2028}' | '\u{2029}')
+    matches!(
+        c,
+        '\n' | '\r' | '\u{b}' | '\u{c}' | '\u{85}' | '\u{2028}' | '\u{2029}'
+    )
 }
 
 fn unicode_start(c: char) -> bool {
@@ -92,7 +95,11 @@ fn block_comment(text: &str) -> usize {
 fn number(text: &str) -> usize {
     let mut previous = ' ';
     // `0xe+1` is a sum, `0x1p+1` and `1e+1` are numbers.
-    let exponent = if text.starts_with("0x") || text.starts_with("0X") { ['p', 'P'] } else { ['e', 'E'] };
+    let exponent = if text.starts_with("0x") || text.starts_with("0X") {
+        ['p', 'P']
+    } else {
+        ['e', 'E']
+    };
     for (at, c) in text.char_indices() {
         let exponent_sign = matches!(c, '+' | '-') && exponent.contains(&previous);
         if !(c.is_ascii_alphanumeric() || c == '.' || exponent_sign) {
@@ -115,21 +122,39 @@ mod tests {
     fn comments_are_skipped_and_numbers_stay_whole() {
         assert_eq!(
             words("fn a(/* x /* y */ */b: vec2f) // c\n{ return .5e-3f+0x1p+4; }"),
-            ["fn", "a", "(", "b", ":", "vec2f", ")", "{", "return", ".5e-3f", "+", "0x1p+4", ";", "}"]
+            [
+                "fn", "a", "(", "b", ":", "vec2f", ")", "{", "return", ".5e-3f", "+", "0x1p+4",
+                ";", "}"
+            ]
         );
     }
 
     #[test]
     fn a_hexadecimal_number_ends_before_a_sum() {
-        assert_eq!(words("0xe+taps-1e-3*0xfp-2"), ["0xe", "+", "taps", "-", "1e-3", "*", "0xfp-2"]);
+        assert_eq!(
+            words("0xe+taps-1e-3*0xfp-2"),
+            ["0xe", "+", "taps", "-", "1e-3", "*", "0xfp-2"]
+        );
     }
 
     #[test]
     fn any_text_is_split_without_loss_of_order() {
-        for text in ["/*", "/* /*", "é+ñ_1", "\u{85}//\u{2028}x", "1.", "\"€\"", "/"] {
+        for text in [
+            "/*",
+            "/* /*",
+            "é+ñ_1",
+            "\u{85}//\u{2028}x",
+            "1.",
+            "\"€\"",
+            "/",
+        ] {
             let found = tokens(text);
             assert!(found.windows(2).all(|w| w[0].range.end <= w[1].range.start));
-            assert!(found.iter().all(|t| !t.range.is_empty() && text.get(t.range.clone()).is_some()));
+            assert!(
+                found
+                    .iter()
+                    .all(|t| !t.range.is_empty() && text.get(t.range.clone()).is_some())
+            );
         }
     }
 }

@@ -59,11 +59,27 @@ impl Module {
     /// What is no declaration would not reach naga, so it is told here.
     fn check_outline(&self, report: &mut Report) {
         for stray in &self.outline.strays {
-            let word = self.outline.tokens.iter().find(|t| t.range.start == stray.start);
+            let word = self
+                .outline
+                .tokens
+                .iter()
+                .find(|t| t.range.start == stray.start);
             let word = word.map_or("", |t| &self.file.text[t.range.clone()]);
-            let keywords = ["fn", "struct", "var", "const", "override", "alias", "const_assert", "enable"];
+            let keywords = [
+                "fn",
+                "struct",
+                "var",
+                "const",
+                "override",
+                "alias",
+                "const_assert",
+                "enable",
+            ];
             let place = self.place(stray.start..stray.start + word.len().max(1));
-            let wrong = Diagnostic::error(format!("`{}` holds something that is no declaration", self.path));
+            let wrong = Diagnostic::error(format!(
+                "`{}` holds something that is no declaration",
+                self.path
+            ));
             report.add(match keywords.contains(&word) {
                 true => wrong.at(&place, "the declaration that begins here is not finished"),
                 false => wrong
@@ -73,7 +89,10 @@ impl Module {
         }
         let slot = self.path.strip_prefix(SLOTS);
         let own = self.header.slots.iter().map(|used| &used.name);
-        for name in own.chain(self.header.slots.iter().map(|used| &used.slot)).filter(|n| !is_identifier(&n.text)) {
+        for name in own
+            .chain(self.header.slots.iter().map(|used| &used.slot))
+            .filter(|n| !is_identifier(&n.text))
+        {
             report.add(
                 Diagnostic::error(format!("`{}` is no name for a slot", name.text))
                     .at(&name.place, "letters, digits and `_`, a letter first"),
@@ -84,7 +103,10 @@ impl Module {
         {
             report.add(
                 Diagnostic::error(format!("`{}` is no slot", self.path))
-                    .at(&self.place(0..0), "a slot file is named by an identifier and declares functions")
+                    .at(
+                        &self.place(0..0),
+                        "a slot file is named by an identifier and declares functions",
+                    )
                     .with_help("only slots stand in `slots/`, directly"),
             );
         }
@@ -184,7 +206,9 @@ impl Module {
 /// Whether a text can be a WGSL name.
 fn is_identifier(text: &str) -> bool {
     let mut letters = text.chars();
-    letters.next().is_some_and(|c| c.is_alphabetic() || c == '_')
+    letters
+        .next()
+        .is_some_and(|c| c.is_alphabetic() || c == '_')
         && letters.all(|c| c.is_alphanumeric() || c == '_')
 }
 
@@ -205,7 +229,10 @@ fn impurity(word: &str, called: bool) -> Option<(&'static str, &'static str)> {
             "it samples with an implicit level of detail, which fragment shaders alone can",
             "use textureSampleLevel or textureLoad",
         )),
-        "textureStore" => Some(("it writes a texture", "return the value; the pass writes it")),
+        "textureStore" => Some((
+            "it writes a texture",
+            "return the value; the pass writes it",
+        )),
         "workgroupBarrier" | "storageBarrier" | "textureBarrier" | "workgroupUniformLoad" => {
             Some(("it synchronises threads", "only a compute skeleton can"))
         }
@@ -308,7 +335,9 @@ impl Library {
             need.text
         ))
         .at(&need.place, "")
-        .with_help("call the slot instead (`slots: …`), or move what both use into a module of its own")
+        .with_help(
+            "call the slot instead (`slots: …`), or move what both use into a module of its own",
+        )
     }
 
     fn check_names(&self, module: &Module, report: &mut Report) {
@@ -338,15 +367,23 @@ impl Library {
             }
         }
         for used in &header.slots {
-            let Some(slot) = self.slot(&used.slot.text) else { continue };
+            let Some(slot) = self.slot(&used.slot.text) else {
+                continue;
+            };
             for function in slot.functions() {
                 let name = slot_function(slot, &function.name, &used.name.text);
                 if let Some(item) = module.item(&name) {
                     report.add(
-                        Diagnostic::error(format!("`{}` both declares `{name}` and calls the slot of that name", module.path))
-                            .at(&used.name.place, "called")
-                            .see(&module.place(item.name_range.clone()), "declared")
-                            .with_help(format!("give the slot a name of its own: `slots: inner: {}`", used.slot.text)),
+                        Diagnostic::error(format!(
+                            "`{}` both declares `{name}` and calls the slot of that name",
+                            module.path
+                        ))
+                        .at(&used.name.place, "called")
+                        .see(&module.place(item.name_range.clone()), "declared")
+                        .with_help(format!(
+                            "give the slot a name of its own: `slots: inner: {}`",
+                            used.slot.text
+                        )),
                     );
                 }
             }

@@ -54,7 +54,9 @@ fn words(instances: &Instances) -> HashSet<String> {
         if !seen.insert(&instance.module.path) {
             continue;
         }
-        let called: HashSet<String> = slot_functions(instances, instance).map(|(own, ..)| own).collect();
+        let called: HashSet<String> = slot_functions(instances, instance)
+            .map(|(own, ..)| own)
+            .collect();
         let outline = &instance.module.outline;
         let text = &instance.module.file.text;
         for &word in outline.items.iter().flat_map(|item| &item.words) {
@@ -75,8 +77,13 @@ fn slot_functions<'i>(
     instance.slots.iter().flat_map(|(used, filling)| {
         let slot = instances.all[*filling].slot;
         slot.into_iter().flat_map(|slot| {
-            slot.functions()
-                .map(|f| (slot_function(slot, &f.name, &used.name.text), *filling, f.name.as_str()))
+            slot.functions().map(|f| {
+                (
+                    slot_function(slot, &f.name, &used.name.text),
+                    *filling,
+                    f.name.as_str(),
+                )
+            })
         })
     })
 }
@@ -88,7 +95,13 @@ struct Namer {
 }
 
 impl Namer {
-    fn instance(&mut self, instances: &Instances, instance: &Instance, all: &[Names], others: &[usize]) -> Names {
+    fn instance(
+        &mut self,
+        instances: &Instances,
+        instance: &Instance,
+        all: &[Names],
+        others: &[usize],
+    ) -> Names {
         let mut imported = Names::new();
         for &needed in &instance.needs {
             imported.extend(all[needed].iter().map(|(k, v)| (k.clone(), v.clone())));
@@ -124,18 +137,30 @@ impl Namer {
                 copies => self.fresh(&format!("{}_{}", item.name, copies + 1)),
             });
         }
-        names.extend(own.into_iter().map(|(written, name)| (written.to_owned(), name)));
+        names.extend(
+            own.into_iter()
+                .map(|(written, name)| (written.to_owned(), name)),
+        );
         names
     }
 
     /// The name of an item that does not depend on other instances of its module.
-    fn own_name(&mut self, instance: &Instance, item: &Item, shared: &std::collections::BTreeMap<String, String>) -> Option<String> {
+    fn own_name(
+        &mut self,
+        instance: &Instance,
+        item: &Item,
+        shared: &std::collections::BTreeMap<String, String>,
+    ) -> Option<String> {
         let role = instance.role.join("_");
         let name = &item.name;
         match (&item.kind, instance.slot) {
             (ItemKind::Function { .. }, Some(slot)) if slot.item(name).is_some() => {
                 let wanted = slot_function(slot, name, &role);
-                Some(if wanted == *name && !is_predeclared(name) { wanted } else { self.fresh(&wanted) })
+                Some(if wanted == *name && !is_predeclared(name) {
+                    wanted
+                } else {
+                    self.fresh(&wanted)
+                })
             }
             (ItemKind::Variable { .. }, _) => {
                 let resource = instance.reads.get(name);
@@ -151,7 +176,9 @@ impl Namer {
                 self.connected.insert(key, made.clone());
                 Some(made)
             }
-            (ItemKind::Override { .. }, _) if !role.is_empty() => Some(self.fresh(&format!("{role}_{name}"))),
+            (ItemKind::Override { .. }, _) if !role.is_empty() => {
+                Some(self.fresh(&format!("{role}_{name}")))
+            }
             (ItemKind::Assertion, _) => Some(format!("{} {name}", instance.module.path)),
             _ => None,
         }
@@ -180,7 +207,11 @@ fn same_items<'i>(
 ) -> HashSet<&'i str> {
     let outline = &instance.module.outline;
     let text = &instance.module.file.text;
-    let mut same: HashSet<&str> = outline.items.iter().map(|item| item.name.as_str()).collect();
+    let mut same: HashSet<&str> = outline
+        .items
+        .iter()
+        .map(|item| item.name.as_str())
+        .collect();
     loop {
         let before = same.len();
         for item in &outline.items {
@@ -204,5 +235,7 @@ fn same_items<'i>(
 
 /// A resource's name as a part of an identifier.
 fn identifier(name: &str) -> String {
-    name.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect()
+    name.chars()
+        .map(|c| if c.is_alphanumeric() { c } else { '_' })
+        .collect()
 }

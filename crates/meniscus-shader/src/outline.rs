@@ -107,9 +107,10 @@ impl Outline {
                 let name_token = rest.first().filter(|t| word(t) && found != "const_assert");
                 let (name, name_range) = match name_token {
                     Some(token) => (text[token.range.clone()].to_owned(), token.range.clone()),
-                    None if found == "const_assert" => {
-                        (format!("const_assert {}", self.items.len()), keyword.range.clone())
-                    }
+                    None if found == "const_assert" => (
+                        format!("const_assert {}", self.items.len()),
+                        keyword.range.clone(),
+                    ),
                     None => {
                         self.strays.push(range);
                         return;
@@ -155,11 +156,19 @@ fn words(text: &str, tokens: &[Token], range: Range<usize>, is_struct: bool) -> 
     let mut found = Vec::new();
     let mut at = range.start;
     while at < range.end {
-        let kind = |index: usize| tokens.get(index).filter(|_| range.contains(&index)).map(|t| t.kind);
+        let kind = |index: usize| {
+            tokens
+                .get(index)
+                .filter(|_| range.contains(&index))
+                .map(|t| t.kind)
+        };
         if kind(at) == Some(Kind::Mark('@')) {
             // The arguments of these are words of their own; those of others are expressions.
             let name = tokens.get(at + 1).map_or("", |t| &text[t.range.clone()]);
-            let own = matches!(name, "builtin" | "interpolate" | "diagnostic" | "early_depth_test" | "blend_src");
+            let own = matches!(
+                name,
+                "builtin" | "interpolate" | "diagnostic" | "early_depth_test" | "blend_src"
+            );
             at += 2;
             if own && kind(at) == Some(Kind::Mark('(')) {
                 at += inside(&tokens[at..range.end], '(', ')').len() + 2;
@@ -358,17 +367,47 @@ mod tests {
             fn nothing() {}\nconst_assert true;";
         let outline = Outline::of(text);
         let names: Vec<_> = outline.items.iter().map(|i| i.name.as_str()).collect();
-        assert_eq!(names, ["taps", "A", "Ray", "waves", "seen", "V", "deflect", "nothing", "const_assert 8"]);
+        assert_eq!(
+            names,
+            [
+                "taps",
+                "A",
+                "Ray",
+                "waves",
+                "seen",
+                "V",
+                "deflect",
+                "nothing",
+                "const_assert 8"
+            ]
+        );
         assert_eq!(outline.directives.len(), 1);
-        let field = |name: &str, ty: &str| Field { name: name.into(), ty: ty.into() };
-        assert_eq!(outline.items[2].kind, ItemKind::Struct(vec![field("origin", "vec3f"), field("direction", "vec3f")]));
-        assert_eq!(outline.items[3].kind, ItemKind::Variable { space: "storage,read".into(), ty: "array<Wave,4>".into() });
+        let field = |name: &str, ty: &str| Field {
+            name: name.into(),
+            ty: ty.into(),
+        };
+        assert_eq!(
+            outline.items[2].kind,
+            ItemKind::Struct(vec![field("origin", "vec3f"), field("direction", "vec3f")])
+        );
+        assert_eq!(
+            outline.items[3].kind,
+            ItemKind::Variable {
+                space: "storage,read".into(),
+                ty: "array<Wave,4>".into()
+            }
+        );
         assert_eq!(
             outline.items[6].kind,
-            ItemKind::Function { parameters: vec![field("a", "ptr<function,Ray>"), field("b", "vec3f")], result: "Ray".into() }
+            ItemKind::Function {
+                parameters: vec![field("a", "ptr<function,Ray>"), field("b", "vec3f")],
+                result: "Ray".into()
+            }
         );
         assert_eq!(&text[outline.items[6].range.clone()][..9], "@must_use");
-        assert!(matches!(&outline.items[7].kind, ItemKind::Function { result, .. } if result.is_empty()));
+        assert!(
+            matches!(&outline.items[7].kind, ItemKind::Function { result, .. } if result.is_empty())
+        );
     }
 
     #[test]
@@ -377,7 +416,11 @@ mod tests {
             struct S { @size(width) width: width2 }\n;fnn g() {}\nfn";
         let outline = Outline::of(text);
         let words = |item: &Item| {
-            item.words.iter().map(|&i| &text[outline.tokens[i].range.clone()]).collect::<Vec<_>>().join(" ")
+            item.words
+                .iter()
+                .map(|&i| &text[outline.tokens[i].range.clone()])
+                .collect::<Vec<_>>()
+                .join(" ")
         };
         assert_eq!(words(&outline.items[0]), "width fn f p V let q p width");
         assert_eq!(words(&outline.items[1]), "struct S width width2");
@@ -389,7 +432,20 @@ mod tests {
 
     #[test]
     fn broken_texts_are_outlined_without_a_panic() {
-        for text in ["fn", "fn (", "struct S {", "var<", "var<storage", "@", "@a(", "fn f() -> ", "}}};", "alias;", "alias A", "override :;"] {
+        for text in [
+            "fn",
+            "fn (",
+            "struct S {",
+            "var<",
+            "var<storage",
+            "@",
+            "@a(",
+            "fn f() -> ",
+            "}}};",
+            "alias;",
+            "alias A",
+            "override :;",
+        ] {
             Outline::of(text);
         }
     }

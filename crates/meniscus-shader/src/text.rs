@@ -55,13 +55,22 @@ impl Source {
 
     /// Where a range of the composed text was written.
     pub fn origin(&self, range: Range<usize>) -> Option<Place> {
-        let index = self.segments.partition_point(|s| s.range.end <= range.start);
-        let Some(first) = self.segments.get(index).filter(|s| s.range.start <= range.start) else {
+        let index = self
+            .segments
+            .partition_point(|s| s.range.end <= range.start);
+        let Some(first) = self
+            .segments
+            .get(index)
+            .filter(|s| s.range.start <= range.start)
+        else {
             // Right behind a part, where something is missing, the part's end is meant.
             let before = self.segments.get(index.checked_sub(1)?)?;
             let gap = self.text.get(before.range.end..range.start)?;
             let end = before.place.range.end;
-            return gap.trim().is_empty().then(|| Place::new(&before.place.file, end..end));
+            return gap
+                .trim()
+                .is_empty()
+                .then(|| Place::new(&before.place.file, end..end));
         };
         let start = match first.exact {
             true => first.place.range.start + (range.start - first.range.start),
@@ -104,7 +113,10 @@ pub(crate) struct Written {
 /// # Errors
 /// When two modules declare one name, or one uses a name without needing who declares it.
 pub(crate) fn write(instances: &Instances, entry: entry::Written) -> Result<Written, Report> {
-    let reached_first = tokens(&entry.text).into_iter().map(|t| entry.text[t.range].to_owned()).collect();
+    let reached_first = tokens(&entry.text)
+        .into_iter()
+        .map(|t| entry.text[t.range].to_owned())
+        .collect();
     let mut written = concatenate(instances, Some(reached_first))?;
     let _ = write!(written.source.text, "// ---- entry points\n{}", entry.text);
     written.entry = entry.entry;
@@ -127,12 +139,20 @@ fn concatenate(instances: &Instances, open: Option<Vec<String>>) -> Result<Writt
     let mut report = Report::default();
     let all = collect(instances, &names, &mut report);
     report.into_result(())?;
-    let last = || all.last().into_iter().flat_map(|part| part.items.iter().map(|(name, _)| name.clone())).collect();
+    let last = || {
+        all.last()
+            .into_iter()
+            .flat_map(|part| part.items.iter().map(|(name, _)| name.clone()))
+            .collect()
+    };
     let reached = reach(&all, open.unwrap_or_else(last));
 
     let mut source = Source::default();
     let mut directives = BTreeSet::new();
-    for part in all.iter().filter(|part| part.items.iter().any(|(name, _)| reached.contains(name))) {
+    for part in all
+        .iter()
+        .filter(|part| part.items.iter().any(|(name, _)| reached.contains(name)))
+    {
         for place in &part.directives {
             if directives.insert(place.text().split_whitespace().collect::<String>()) {
                 source.copy(&place.file, place.range.clone());
@@ -181,7 +201,9 @@ fn concatenate(instances: &Instances, open: Option<Vec<String>>) -> Result<Writt
             overrides.insert(path, names[&number.name].clone());
         }
         for (original, name) in names.iter().filter(|(a, b)| a != b) {
-            let known = originals.entry(name.clone()).or_insert_with(|| original.clone());
+            let known = originals
+                .entry(name.clone())
+                .or_insert_with(|| original.clone());
             // Several callers may have names of their own for it: take the same one every time.
             if original < known {
                 known.clone_from(original);
@@ -200,7 +222,10 @@ fn concatenate(instances: &Instances, open: Option<Vec<String>>) -> Result<Writt
         resources,
         overrides,
         originals,
-        entry: crate::shader::Entry::Compute { name: String::new(), workgroup: [1; 3] },
+        entry: crate::shader::Entry::Compute {
+            name: String::new(),
+            workgroup: [1; 3],
+        },
         attributes: Vec::new(),
         outputs: Vec::new(),
         modules: instances
@@ -227,14 +252,20 @@ fn collect<'l>(instances: &Instances<'l>, names: &[Names], report: &mut Report) 
         let module = instance.module;
         let mut part = Part {
             items: Vec::new(),
-            directives: module.outline.directives.iter().map(|d| module.place(d.clone())).collect(),
+            directives: module
+                .outline
+                .directives
+                .iter()
+                .map(|d| module.place(d.clone()))
+                .collect(),
             mentions: Vec::new(),
         };
         for item in &module.outline.items {
             let name = names[&item.name].clone();
             match declared.get(&name) {
                 Some((other, first)) => {
-                    let shared = matches!(item.kind, ItemKind::Variable { .. }) && item.kind == first.kind;
+                    let shared =
+                        matches!(item.kind, ItemKind::Variable { .. }) && item.kind == first.kind;
                     // Items of one module that have one name are the same, unless it has two.
                     let same = other.path == module.path && item.range == first.range;
                     if !shared && !same {
@@ -280,11 +311,17 @@ fn check_needs(
             if names.contains_key(word) || item.locals.contains(word) || is_predeclared(word) {
                 continue;
             }
-            let Some((owner, _)) = declared.get(word).filter(|(owner, _)| owner.path != module.path) else {
+            let Some((owner, _)) = declared
+                .get(word)
+                .filter(|(owner, _)| owner.path != module.path)
+            else {
                 continue;
             };
-            let wrong = Diagnostic::error(format!("`{}` uses `{word}` without saying so", module.path))
-                .at(&module.place(range), format!("declared by `{}`", owner.path));
+            let wrong =
+                Diagnostic::error(format!("`{}` uses `{word}` without saying so", module.path)).at(
+                    &module.place(range),
+                    format!("declared by `{}`", owner.path),
+                );
             report.add(match owner.role() {
                 Role::Shared => wrong.with_help(format!(
                     "add `{}` to `// needs: …` in {}",
@@ -315,7 +352,9 @@ fn redefinition(module: &Module, item: &Item, other: &Module, first: &Item) -> D
     .at(&module.place(item.name_range.clone()), "declared here")
     .see(&other.place(first.name_range.clone()), "and here");
     match item.kind {
-        ItemKind::Variable { .. } => diagnostic.with_help("give one of them another name, or the same type"),
+        ItemKind::Variable { .. } => {
+            diagnostic.with_help("give one of them another name, or the same type")
+        }
         _ => diagnostic.with_help("rename one, or move it into a module that both need"),
     }
 }

@@ -10,7 +10,10 @@ use meniscus_source::{Place, Report, SourceFile};
 
 /// Modules of a screen that looks along rays: enough for every seam of composition.
 pub const BASE: &[(&str, &str)] = &[
-    ("geometry/ray", "// A ray.\n\nstruct Ray {\n    origin: vec3f,\n    direction: vec3f,\n}\n"),
+    (
+        "geometry/ray",
+        "// A ray.\n\nstruct Ray {\n    origin: vec3f,\n    direction: vec3f,\n}\n",
+    ),
     (
         "slots/deflect",
         "// How a ray goes on. By default straight.\n//\n// needs: geometry/ray\n\nfn deflect(ray: Ray) -> Ray {\n    return ray;\n}\n",
@@ -45,7 +48,12 @@ pub const BASE: &[(&str, &str)] = &[
 pub fn sources(more: &[(&str, &str)]) -> Vec<(String, Arc<SourceFile>)> {
     BASE.iter()
         .chain(more)
-        .map(|(path, text)| ((*path).to_owned(), SourceFile::new(format!("{path}.wgsl"), *text)))
+        .map(|(path, text)| {
+            (
+                (*path).to_owned(),
+                SourceFile::new(format!("{path}.wgsl"), *text),
+            )
+        })
         .collect()
 }
 
@@ -67,7 +75,10 @@ pub fn composer(more: &[(&str, &str)]) -> Composer {
 pub fn written(text: &str) -> Spanned<String> {
     let file = SourceFile::new("pipeline.ron", format!("narrow:\n  \"{text}\""));
     let start = file.text.len() - 1 - text.len();
-    Spanned { value: text.to_owned(), place: Some(Place::new(&file, start..start + text.len())) }
+    Spanned {
+        value: text.to_owned(),
+        place: Some(Place::new(&file, start..start + text.len())),
+    }
 }
 
 /// A number that stands in a pipeline's text.
@@ -78,14 +89,20 @@ pub fn number(value: f64) -> Spanned<f64> {
 
 /// A filling without anything of its own.
 pub fn plain(path: &str) -> Filling {
-    Filling { slot_place: written(path).place, ..Filling::plain(written(path)) }
+    Filling {
+        slot_place: written(path).place,
+        ..Filling::plain(written(path))
+    }
 }
 
 /// The screen pass with fillings and both outputs.
 pub fn recipe(slots: &[(&str, Filling)]) -> Recipe {
     Recipe {
         skeleton: written("passes/look"),
-        slots: slots.iter().map(|(slot, filling)| ((*slot).to_owned(), filling.clone())).collect(),
+        slots: slots
+            .iter()
+            .map(|(slot, filling)| ((*slot).to_owned(), filling.clone()))
+            .collect(),
         reads: BTreeMap::new(),
         outputs: ["colour", "distance"].map(output).to_vec(),
         facts: Default::default(),
@@ -95,16 +112,24 @@ pub fn recipe(slots: &[(&str, Filling)]) -> Recipe {
 
 /// An output that is written.
 pub fn output(name: &str) -> Output {
-    Output { name: written(name), format: "rgba16float".into() }
+    Output {
+        name: written(name),
+        format: "rgba16float".into(),
+    }
 }
 
 /// The shader of a recipe that is right.
 pub fn compose(composer: &Composer, recipe: &Recipe) -> Arc<Shader> {
-    composer.compose(recipe).unwrap_or_else(|report| panic!("{report}"))
+    composer
+        .compose(recipe)
+        .unwrap_or_else(|report| panic!("{report}"))
 }
 
 /// The text of one item of a composed shader, from its keyword to the next empty line.
 pub fn item<'t>(shader: &'t Shader, start: &str) -> &'t str {
-    let at = shader.text.find(start).unwrap_or_else(|| panic!("no `{start}` in\n{}", shader.text));
+    let at = shader
+        .text
+        .find(start)
+        .unwrap_or_else(|| panic!("no `{start}` in\n{}", shader.text));
     shader.text[at..].split("\n\n").next().unwrap_or_default()
 }
