@@ -1,9 +1,12 @@
 // What a ray meets.
+//
+// needs: geometry/ray
 
 // `position`: world space, metres. `normal`: unit geometric normal, towards the outside of the
 // object. `shading_normal`: unit. `object`: its id. `texel`: where it appears in the seen buffers.
 // `residual`: an estimate of the error, in pixels of the seen buffers; 0 where nothing is known.
-// Without `found`, the ray meets nothing and the rest is zero.
+// `direction`: the unit direction in which the ray arrives, or leaves the scene; it may have been
+// bent on its way. Without `found`, the ray meets nothing and the rest is zero.
 struct Hit {
     position: vec3f,
     normal: vec3f,
@@ -12,4 +15,10 @@ struct Hit {
     texel: vec2f,
     residual: f32,
     found: bool,
+    direction: vec3f,
+}
+
+// The hit of a ray that meets nothing.
+fn no_hit(ray: Ray, texel: vec2f) -> Hit {
+    return Hit(vec3f(0.0), vec3f(0.0), vec3f(0.0), -1.0, texel, 0.0, false, ray.direction);
 }

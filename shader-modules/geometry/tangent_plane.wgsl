@@ -10,7 +10,7 @@
 fn intersect(ray: Ray, texel: vec2f) -> Hit {
     let seen = seen_at(texel);
     if seen.object < 0.0 {
-        return Hit(vec3f(0.0), vec3f(0.0), vec3f(0.0), -1.0, texel, 0.0, false);
+        return no_hit(ray, texel);
     }
     let slope = dot(seen.normal, ray.direction);
     let offset = dot(seen.normal, seen.position - ray.origin);
@@ -19,5 +19,5 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
     if slope * offset > 0.0 && abs(slope) > 1e-4 {
         position = ray.origin + (offset / slope) * ray.direction;
     }
-    return Hit(position, seen.normal, seen.shading_normal, seen.object, reproject(position), 0.0, true);
+    return Hit(position, seen.normal, seen.shading_normal, seen.object, reproject(position), 0.0, true, ray.direction);
 }

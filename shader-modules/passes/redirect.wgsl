@@ -23,11 +23,10 @@ fn screen(pixel: vec2f) -> Redirected {
     let met = meet(ray);
     let wet = met.found && view_is_nearer(view_target, met.point, depth);
     if !wet {
-        let nothing = Hit(vec3f(0.0), vec3f(0.0), vec3f(0.0), -1.0, pixel, 0.0, false);
-        return Redirected(ray, nothing, false, depth == 0.0);
+        return Redirected(ray, no_hit(ray, pixel), false, depth == 0.0);
     }
     let behind = deflect(Ray(met.point, ray.direction), met.normal);
-    let texel = pixel + 0.5 * (view_seen.size - view_target.size);
+    let texel = pixel + 0.5 * (view_target.seen_size - view_target.size);
     return Redirected(behind.ray, intersect(behind.ray, texel), true, true);
 }
 

@@ -15,6 +15,8 @@ struct View {
     size: vec2f,
     // Distance of the near plane, metres.
     near: f32,
+    // Size of the view with which the textures were drawn that a pass reads, pixels.
+    seen_size: vec2f,
 }
 
 // The ray from the eye through a point of the picture.
@@ -46,8 +48,7 @@ fn view_pixel(view: View, point: vec3f) -> vec3f {
     return vec3f(0.5 * view.size + centred, depth);
 }
 
-// Whether a point stands before what a depth buffer holds at its pixel. The near plane is divided
-// by, not compared with: Mesa 22.3's software driver crashes on `a && b < uniform`.
+// Whether a point stands before what a depth buffer holds at its pixel.
 fn view_is_nearer(view: View, point: vec3f, depth: f32) -> bool {
-    return depth * dot(point - view.eye, view.forward) / view.near < 1.0;
+    return depth * dot(point - view.eye, view.forward) < view.near;
 }

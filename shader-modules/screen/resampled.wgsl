@@ -12,7 +12,7 @@ var linear_sampler: sampler;
 
 fn colour(hit: Hit, ray: Ray) -> vec3f {
     if !hit.found {
-        return sky_colour(ray.direction);
+        return sky_colour(hit.direction);
     }
     let size = textureDimensions(seen_colour);
     var drawn = textureSampleLevel(seen_colour, linear_sampler, hit.texel / vec2f(size), 0.0);

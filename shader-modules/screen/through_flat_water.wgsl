@@ -5,5 +5,5 @@
 // needs: screen/seen_view, optics/flat_water
 
 fn reproject(point: vec3f) -> vec2f {
-    return view_pixel(view_seen, apparent_point(point, view_seen.eye)).xy;
+    return view_pixel(view_seen(), apparent_point(point, view_target.eye)).xy;
 }

@@ -7,9 +7,9 @@
 
 fn colour(hit: Hit, ray: Ray) -> vec3f {
     if !hit.found {
-        return sky_colour(ray.direction);
+        return sky_colour(hit.direction);
     }
-    let facing = select(-1.0, 1.0, dot(hit.normal, ray.direction) <= 0.0);
+    let facing = select(-1.0, 1.0, dot(hit.normal, hit.direction) <= 0.0);
     return shade(SurfacePoint(hit.position, hit.shading_normal, hit.normal, facing, u32(hit.object)));
 }
 

@@ -3,7 +3,7 @@
 // is nearest to.
 //
 // provides: shade
-// needs: shading/surface_point
+// needs: shading/light, shading/surface_point
 
 struct Material {
     colour: vec3f,
@@ -17,13 +17,6 @@ struct Object {
     material: u32,
 }
 
-struct Sun {
-    direction: vec3f,
-    colour: vec3f,
-    ambient: vec3f,
-}
-
-var<uniform> sun: Sun;
 var<storage, read> objects: array<Object>;
 var<storage, read> materials: array<Material>;
 
@@ -44,6 +37,6 @@ fn shade(point: SurfacePoint) -> vec3f {
     let material = materials[objects[point.object].material];
     let albedo = select(material.colour, material.line_colour, on_line(material, point));
     let normal = point.normal * point.facing;
-    let light = sun.colour * max(dot(normal, sun.direction), 0.0);
-    return albedo * (light + sun.ambient * (0.5 + 0.5 * normal.z));
+    let sunlight = light.sun_colour * max(dot(normal, light.sun_direction), 0.0);
+    return albedo * (sunlight + light.ambient * (0.5 + 0.5 * normal.z));
 }

@@ -4,5 +4,5 @@
 // needs: geometry/ray, geometry/hit
 
 fn intersect(ray: Ray, texel: vec2f) -> Hit {
-    return Hit(vec3f(0.0), vec3f(0.0), vec3f(0.0), -1.0, texel, 0.0, false);
+    return no_hit(ray, texel);
 }

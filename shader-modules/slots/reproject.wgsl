@@ -4,5 +4,5 @@
 // needs: screen/seen_view
 
 fn reproject(point: vec3f) -> vec2f {
-    return view_pixel(view_seen, point).xy;
+    return view_pixel(view_seen(), point).xy;
 }

@@ -5,5 +5,10 @@
 // slots: level
 
 fn side(point: vec3f) -> bool {
+    let height = point.z - water.level;
+    // Beyond what the waves reach, the rest plane decides.
+    if abs(height) > water.height_bound {
+        return water.camera_side * height >= 0.0;
+    }
     return water.camera_side * (point.z - level(point.xy)) >= 0.0;
 }

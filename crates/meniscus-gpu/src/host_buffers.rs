@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use meniscus_pipeline::{PlannedPass, Size};
+use meniscus_pipeline::PlannedPass;
 use meniscus_shader::{Binding, Shader};
 use naga::{Handle, Type};
 use wgpu::util::DeviceExt;
 
-use crate::host_scene::{HostScene, Views};
+use crate::host_scene::{HostScene, PassViews, Views};
 use crate::{Gpu, GpuError, layout};
 
 /// The host's buffers of one frame; passes that declare a block alike share it.
@@ -17,8 +17,8 @@ pub(crate) struct HostBuffers(Vec<HostBuffer>);
 #[derive(Debug)]
 struct HostBuffer {
     resource: String,
-    /// Which view's values it holds; for blocks that hold none, the frame's stands here.
-    view: Size,
+    /// The views of its pass; for blocks that hold none, the frame's stand here.
+    view: PassViews,
     /// The shader that first declared it, and the type.
     shader: Arc<Shader>,
     ty: Handle<Type>,
@@ -53,9 +53,11 @@ impl HostBuffers {
     ) -> Result<wgpu::Buffer, GpuError> {
         let resource = binding.resource.as_str();
         let view = match resource {
-            "view_target" => pass.view_target,
-            "view_seen" => pass.view_seen,
-            _ => Size::Frame,
+            "view_target" => PassViews {
+                target: pass.view_target,
+                seen: pass.view_seen,
+            },
+            _ => PassViews::FRAME,
         };
         let signature = layout::signature(&pass.shader.module, ty);
         let same =
@@ -135,14 +137,14 @@ fn bytes(
     ty: Handle<Type>,
     scene: &HostScene,
     views: &Views,
-    view: Size,
+    view: PassViews,
 ) -> Result<Vec<u8>, String> {
     if let Some(length) = scene.array_length(resource) {
         let element = |index: usize, member: &str| scene.element(resource, index, member);
         layout::array_bytes(&shader.module, ty, length, element)
     } else if HostScene::has_block(resource) {
         layout::block_bytes(&shader.module, ty, |member| {
-            scene.block(resource, member, views.get(view))
+            scene.block(resource, member, views, view)
         })
     } else {
         Err("neither the pipeline nor the host has anything of that name".to_owned())

@@ -28,6 +28,21 @@ pub(crate) struct Views {
     guarded: View,
 }
 
+/// The view that a pass draws, and that with which its inputs were drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct PassViews {
+    pub target: Size,
+    pub seen: Size,
+}
+
+impl PassViews {
+    /// Of passes that neither draw nor read beyond the frame.
+    pub const FRAME: Self = Self {
+        target: Size::Frame,
+        seen: Size::Frame,
+    };
+}
+
 impl Views {
     pub fn get(&self, size: Size) -> &View {
         match size {
@@ -89,18 +104,18 @@ impl HostScene {
         host::BLOCKS.iter().any(|(name, _)| *name == block)
     }
 
-    /// A member of a uniform block; the view belongs to the two blocks that hold one.
-    pub fn block(&self, block: &str, member: &str, view: &View) -> Option<Value> {
+    /// A member of a uniform block; the views belong to the block that tells of them.
+    pub fn block(&self, block: &str, member: &str, views: &Views, pass: PassViews) -> Option<Value> {
         match block {
-            "view_target" | "view_seen" => view_member(view, member),
+            "view_target" if member == "seen_size" => {
+                Some(Value::Vec2(views.size(pass.seen).as_vec2().to_array()))
+            }
+            "view_target" => view_member(views.get(pass.target), member),
             "water" => self.water_member(member),
-            "sun" => match member {
-                "direction" => Some(vec3(self.sun.direction)),
-                "colour" => Some(colour(self.sun.colour)),
+            "light" => match member {
+                "sun_direction" => Some(vec3(self.sun.direction)),
+                "sun_colour" => Some(colour(self.sun.colour)),
                 "ambient" => Some(colour(self.sun.ambient)),
-                _ => None,
-            },
-            "sky" => match member {
                 "horizon" => Some(colour(self.sky.horizon)),
                 "zenith" => Some(colour(self.sky.zenith)),
                 "deep" => Some(colour(self.sky.deep)),
@@ -276,10 +291,10 @@ pub(crate) mod tests {
     #[test]
     fn everything_that_the_host_lists_is_there_with_its_type() {
         let host = HostScene::new(&scene());
-        let view = *host.views(UVec2::new(64, 48), [-1.0, 1.0]).get(Size::Frame);
+        let views = host.views(UVec2::new(64, 48), [-1.0, 1.0]);
         for (block, members) in host::BLOCKS {
             for (member, ty) in *members {
-                let value = host.block(block, member, &view);
+                let value = host.block(block, member, &views, PassViews::FRAME);
                 assert_eq!(value.map(kind), Some(*ty), "{block}.{member}");
             }
         }

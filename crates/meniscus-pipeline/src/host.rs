@@ -17,7 +17,9 @@ pub enum ValueType {
 /// A named list of members with their types.
 pub type Members = &'static [(&'static str, ValueType)];
 
-/// Members of `view_target` and `view_seen`: see `meniscus_scene::View`.
+/// Members of `view_target`, the view that a pass draws: see `meniscus_scene::View`. `seen_size`:
+/// the size of the view with which the textures were drawn that the pass reads; the rest of that
+/// view is the same.
 pub const VIEW: Members = &[
     ("eye", ValueType::Vec3),
     ("right", ValueType::Vec3),
@@ -26,6 +28,7 @@ pub const VIEW: Members = &[
     ("focal", ValueType::F32),
     ("size", ValueType::Vec2),
     ("near", ValueType::F32),
+    ("seen_size", ValueType::Vec2),
 ];
 
 /// Members of `water`.
@@ -48,27 +51,24 @@ pub const WATER: Members = &[
     ("time", ValueType::F32),
 ];
 
-/// Members of `sun`.
-pub const SUN: Members = &[
-    ("direction", ValueType::Vec3),
-    ("colour", ValueType::Vec3),
+/// Members of `light`: the sun and the sky, see `meniscus_scene::{Sun, Sky}`.
+pub const LIGHT: Members = &[
+    ("sun_direction", ValueType::Vec3),
+    ("sun_colour", ValueType::Vec3),
     ("ambient", ValueType::Vec3),
-];
-
-/// Members of `sky`.
-pub const SKY: Members = &[
     ("horizon", ValueType::Vec3),
     ("zenith", ValueType::Vec3),
     ("deep", ValueType::Vec3),
 ];
 
 /// Uniform blocks by the variable's name.
+///
+/// There are three and should not be more: with a fourth in one shader, Mesa 22.3's software driver
+/// writes outside its memory while it looks for uniforms to inline, and crashes.
 pub const BLOCKS: &[(&str, Members)] = &[
     ("view_target", VIEW),
-    ("view_seen", VIEW),
     ("water", WATER),
-    ("sun", SUN),
-    ("sky", SKY),
+    ("light", LIGHT),
 ];
 
 /// Read-only storage arrays by the variable's name, with the members of an element.

@@ -99,8 +99,8 @@ fn a_pass_has_two_views() {
     let mut scene = scene(&[[[0.0, 2.0, 0.0], [1.0, 2.0, 0.0], [0.0, 2.0, -2.0]]]);
     scene.water.waves = vec![wave(0.05)];
     let mut plan = shows(
-        "struct V { size: vec2f, focal: f32 } var<uniform> view_target: V; var<uniform> view_seen: V;",
-        "vec4f(view_target.size, view_seen.size)",
+        "struct V { size: vec2f, focal: f32, seen_size: vec2f } var<uniform> view_target: V;",
+        "vec4f(view_target.size, view_target.seen_size)",
     );
     plan.passes[0].view_seen = Size::Guarded;
     let mut frame = frame_of(&plan, &scene, UVec2::new(64, 48)).unwrap();
