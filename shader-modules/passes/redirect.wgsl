@@ -5,7 +5,7 @@
 // skeleton: screen
 // outputs: colour, shown
 // slots: meet, deflect, intersect, colour
-// needs: geometry/ray, geometry/hit, screen/seen_view, screen/target, sky/gradient
+// needs: geometry/ray, geometry/hit, screen/target, sky/gradient
 
 var front_depth: texture_depth_2d;
 
