@@ -1,9 +1,10 @@
 //! What a shader reads and writes, held against what the pipeline and the host offer.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
-use meniscus_shader::{Binding, BindingKind, Library, Sample, Shader};
+use meniscus_shader::{Binding, BindingKind, Entry, Library, Sample, Shader};
 use meniscus_source::Diagnostic;
+use meniscus_source::ron::Spanned;
 use naga::{ScalarKind, TypeInner, VectorSize};
 
 use crate::host::{self, Members, ValueType};
@@ -21,6 +22,29 @@ impl Format {
             Self::Rgba16Float => Some("rgba16float"),
             Self::Rgba32Float => Some("rgba32float"),
             Self::Depth32Float => None,
+        }
+    }
+
+    /// The same format as naga knows it.
+    fn storage_format(self) -> Option<naga::StorageFormat> {
+        use naga::StorageFormat as F;
+        match self {
+            Self::R32Float => Some(F::R32Float),
+            Self::Rg32Float => Some(F::Rg32Float),
+            Self::R32Uint => Some(F::R32Uint),
+            Self::Rgba8Unorm => Some(F::Rgba8Unorm),
+            Self::Rgba16Float => Some(F::Rgba16Float),
+            Self::Rgba32Float => Some(F::Rgba32Float),
+            Self::Depth32Float => None,
+        }
+    }
+
+    /// Bytes of a sample as a colour target, by WebGPU's count.
+    fn target_bytes(self) -> u32 {
+        match self {
+            Self::R32Float | Self::R32Uint | Self::Depth32Float => 4,
+            Self::Rg32Float | Self::Rgba8Unorm | Self::Rgba16Float => 8,
+            Self::Rgba32Float => 16,
         }
     }
 
@@ -100,7 +124,9 @@ pub(crate) fn check_binding(
         },
         BindingKind::Storage { ty, read_only } => {
             if pipeline.buffers.contains_key(name) {
-                return None;
+                return (binding.in_vertex && !read_only)
+                    .then(|| wrong(format!("`{name}` is written, which no vertex shader may")))
+                    .flatten();
             }
             let Some((_, members)) = host::ARRAYS.iter().find(|(array, _)| array == name) else {
                 let own = pipeline.buffers.keys().map(String::as_str);
@@ -134,8 +160,22 @@ pub(crate) fn check_binding(
                 )
             })
             .flatten(),
-        // A compute pass's own targets are connected by the planner.
-        BindingKind::StorageTexture { .. } => None,
+        BindingKind::StorageTexture { format: written, dimension, .. } => {
+            let Some(texture) = texture else {
+                return unknown(pass, binding, library, "texture", pipeline.textures.keys().map(String::as_str));
+            };
+            if dimension != naga::ImageDimension::D2 {
+                return wrong(format!("`{name}` is a two-dimensional texture"));
+            }
+            if texture.format.storage_format() != Some(written) {
+                let name_of = texture.format.storage_name();
+                return wrong(format!("`{name}` has the format {:?}, and {written:?} is written to it", texture.format)).map(|d| match name_of {
+                    Some(format) => d.with_help(format!("declare it as `texture_storage_2d<{format}, write>`")),
+                    None => d.with_help("give the texture another format"),
+                });
+            }
+            None
+        }
         BindingKind::Texture {
             sample,
             filtered,
@@ -325,19 +365,62 @@ pub(crate) fn check_target(
     let member = members.iter().find(
         |m| matches!(m.binding, Some(naga::Binding::Location { location: l, .. }) if l == location),
     )?;
-    let (channels, unsigned) = match &shader.module.types[member.ty].inner {
-        TypeInner::Scalar(scalar) => (1, scalar.kind == ScalarKind::Uint),
-        TypeInner::Vector { size, scalar } => (*size as u8, scalar.kind == ScalarKind::Uint),
+    let (channels, kind) = match &shader.module.types[member.ty].inner {
+        TypeInner::Scalar(scalar) => (1, scalar.kind),
+        TypeInner::Vector { size, scalar } => (*size as u8, scalar.kind),
         _ => return None,
     };
     let (wanted, wanted_unsigned) = format.channels();
-    (channels < wanted || unsigned != wanted_unsigned).then(|| {
+    let wanted_kind = if wanted_unsigned { ScalarKind::Uint } else { ScalarKind::Float };
+    (channels < wanted || kind != wanted_kind).then(|| {
         about(
             pass,
             format!("the output `{output}` does not fit the format {format:?} of its texture: that has {wanted} {} channels",
                 if wanted_unsigned { "unsigned" } else { "floating-point" }),
         )
     })
+}
+
+/// The most bytes of a sample that all colour targets of a pass may have together.
+const MAX_TARGET_BYTES: u32 = 32;
+
+/// Checks all targets of a pass together: each once, colours only, and not too large.
+pub(crate) fn check_targets(
+    pass: &Pass,
+    outputs: &[(Spanned<String>, Spanned<String>)],
+    textures: &BTreeMap<String, Texture>,
+    shader: &Shader,
+) -> Vec<Diagnostic> {
+    let mut wrong = Vec::new();
+    let mut seen = BTreeSet::new();
+    let mut bytes = 0;
+    for (output, texture) in outputs {
+        let at = |message: String, words: &str| {
+            let diagnostic = Diagnostic::error(message);
+            match &texture.place {
+                Some(place) => diagnostic.at(place, words),
+                None => diagnostic,
+            }
+        };
+        if !seen.insert(&texture.value) {
+            wrong.push(at(format!("`{}` writes `{}` twice", pass.name.value, texture.value), "again here"));
+        }
+        let Some(format) = textures.get(&texture.value).map(|t| t.format) else { continue };
+        if format == Format::Depth32Float {
+            wrong.push(
+                at(format!("the output `{}` cannot be written to the depth texture `{}`", output.value, texture.value), "a depth texture")
+                    .with_help("write `depth` to it, or give it another format"),
+            );
+        }
+        bytes += format.target_bytes();
+    }
+    if matches!(shader.entry, Entry::Render { .. }) && bytes > MAX_TARGET_BYTES {
+        wrong.push(
+            about(pass, format!("`{}` writes {bytes} bytes a sample; {MAX_TARGET_BYTES} are allowed", pass.name.value))
+                .with_help("take smaller formats, or split the pass"),
+        );
+    }
+    wrong
 }
 
 /// The names of all textures that a shader reads.

@@ -205,6 +205,16 @@ fn build(name: &str, read: PipelineFile) -> Result<Pipeline, Report> {
     report.into_result(pipeline)
 }
 
+/// How many passes steps come to.
+fn count(steps: &[Step]) -> usize {
+    let one = |step: &Step| match step {
+        // An empty repetition costs time, too.
+        Step::Repeat(repeat) => (repeat.times.value as usize).saturating_mul(count(&repeat.sequence)).max(1),
+        _ => 1,
+    };
+    steps.iter().map(one).fold(0, usize::saturating_add).max(1)
+}
+
 /// Unrolls steps into passes; those of a repetition are numbered from 1.
 fn add_steps(passes: &mut Vec<Pass>, steps: Vec<Step>, suffix: &str, report: &mut Report) {
     for step in steps {
@@ -238,7 +248,8 @@ fn add_steps(passes: &mut Vec<Pass>, steps: Vec<Step>, suffix: &str, report: &mu
             ),
             Step::Repeat(repeat) => {
                 let times = repeat.times.value as usize;
-                if times == 0 || times.saturating_mul(repeat.sequence.len()) > MAX_PASSES {
+                let all = times.saturating_mul(count(&repeat.sequence)).saturating_add(passes.len());
+                if times == 0 || all > MAX_PASSES {
                     let wrong = Diagnostic::error(format!(
                         "a pipeline has 1 to {MAX_PASSES} passes, repetitions counted"
                     ));
@@ -260,6 +271,14 @@ fn add_steps(passes: &mut Vec<Pass>, steps: Vec<Step>, suffix: &str, report: &mu
             }
         };
         let (mut name, over, skeleton, when, slots, reads, writes) = pass;
+        if passes.len() >= MAX_PASSES {
+            let many = Diagnostic::error(format!("a pipeline has 1 to {MAX_PASSES} passes, repetitions counted"));
+            report.add(match &name.place {
+                Some(place) => many.at(place, "one too many"),
+                None => many,
+            });
+            return;
+        }
         name.value.push_str(suffix);
         if let Some(first) = passes.iter().find(|p| p.name.value == name.value) {
             let mut twice = Diagnostic::error(format!("two passes are called `{}`", name.value));

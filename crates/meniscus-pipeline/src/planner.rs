@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use meniscus_shader::{BindingKind, Composer, Output, Recipe, Shader, Stage};
+use meniscus_shader::{Binding, BindingKind, Composer, Filling, Output, Recipe, Shader, Stage};
 use meniscus_source::ron::Spanned;
 use meniscus_source::{Diagnostic, Report};
 
@@ -20,6 +20,8 @@ const SHOWN_OUTPUT: &str = "shown";
 const DEPTH: &str = "depth";
 /// The variable of a list's pixels in an entry point.
 const PIXELS: &str = "pass_pixels";
+/// The most workgroups along an axis that every adapter allows.
+const MAX_GROUPS: u32 = 65_535;
 /// How the variables of a compute pass's targets begin.
 const TARGET: &str = "target_";
 
@@ -78,6 +80,25 @@ impl Plan {
             output: pipeline.output.value.clone(),
             shown: shown.then(|| format!("{}{SHOWN}", pipeline.output.value)),
         })
+    }
+}
+
+impl Pipeline {
+    /// What is likely not meant, under given facts: fillings that nothing asks for.
+    pub fn warnings(&self, composer: &Composer, facts: &Facts) -> Report {
+        let mut report = Report::default();
+        for pass in &self.passes {
+            let recipe = Recipe {
+                skeleton: pass.skeleton.clone(),
+                slots: pass.slots.clone(),
+                reads: BTreeMap::new(),
+                outputs: Vec::new(),
+                facts: facts.names(),
+                stage: Stage::Render,
+            };
+            report.extend(composer.warnings(&recipe));
+        }
+        report
     }
 }
 
@@ -185,9 +206,19 @@ impl Planner<'_> {
             PassOver::Screen(_, Runs::Compute) => Stage::Compute,
             _ => Stage::Render,
         };
+        if stage != Stage::Render {
+            for (_, texture) in &outputs {
+                let format = self.declared(texture)?.format;
+                if format.storage_name().is_none() {
+                    return Err(about(pass, format!("no compute shader writes the format {format:?} of `{}`", texture.value))
+                        .with_help("run it as `Fragment`, or give the texture another format")
+                        .into());
+                }
+            }
+        }
         let recipe = Recipe {
             skeleton: pass.skeleton.clone(),
-            slots: pass.slots.clone(),
+            slots: pass.slots.iter().map(|(slot, filling)| (slot.clone(), with_twins(filling))).collect(),
             reads: self.reads(pass, &outputs),
             outputs: outputs
                 .iter()
@@ -279,6 +310,17 @@ impl Planner<'_> {
                 Err(Report::from(unknown.with_suggestion(&name.value, known)))
             }
         };
+        let indirect = |name: &Spanned<String>| {
+            let found = buffer(name)?;
+            if self.pipeline.buffers.get(&found).is_some_and(|b| b.value.indirect) {
+                return Ok(found);
+            }
+            let mut wrong = Diagnostic::error(format!("the buffer `{found}` holds no arguments of a dispatch"));
+            if let Some(place) = &name.place {
+                wrong = wrong.at(place, "used as arguments");
+            }
+            Err(Report::from(wrong.with_help("declare it with `indirect: true`")))
+        };
         if depth.is_some() && !matches!(pass.over, PassOver::Draw(_)) {
             return Err(about(pass, "only a Draw writes depth".into()).into());
         }
@@ -295,14 +337,19 @@ impl Planner<'_> {
             PassOver::Draw(geometry) => PassKind::Draw(*geometry),
             PassOver::Screen(Over::List { pixels, arguments }, _) => {
                 buffer(pixels)?;
-                PassKind::DispatchIndirect(buffer(arguments)?)
+                PassKind::DispatchIndirect(indirect(arguments)?)
             }
             PassOver::Screen(_, Runs::Compute) => PassKind::ScreenCompute,
             PassOver::Screen(..) => PassKind::Screen,
             PassOver::Compute(Dispatch::Pixels(of)) => PassKind::Dispatch(*of),
-            PassOver::Compute(Dispatch::Fixed(x, y, z)) => PassKind::DispatchFixed([*x, *y, *z]),
+            PassOver::Compute(Dispatch::Fixed(x, y, z)) => {
+                if [x, y, z].into_iter().any(|n| !(1..=MAX_GROUPS).contains(n)) {
+                    return Err(about(pass, format!("a dispatch has 1 to {MAX_GROUPS} workgroups along each axis")).into());
+                }
+                PassKind::DispatchFixed([*x, *y, *z])
+            }
             PassOver::Compute(Dispatch::Indirect(arguments)) => {
-                PassKind::DispatchIndirect(buffer(arguments)?)
+                PassKind::DispatchIndirect(indirect(arguments)?)
             }
         })
     }
@@ -351,6 +398,10 @@ impl Planner<'_> {
                 report.add(wrong);
                 continue;
             }
+            if let BindingKind::StorageTexture { .. } = binding.kind {
+                self.written.insert(name.clone());
+                continue;
+            }
             if !matches!(binding.kind, BindingKind::Texture { .. }) {
                 continue;
             }
@@ -381,6 +432,19 @@ impl Planner<'_> {
         for wrong in interface::check_attributes(pass, shader) {
             report.add(wrong);
         }
+        for wrong in interface::check_targets(pass, outputs, &self.textures, shader) {
+            report.add(wrong);
+        }
+        for (variable, resource) in &pass.reads {
+            let known = |binding: &Binding| binding.variable == *variable;
+            if !shader.bindings.iter().any(known) && library.declaration(variable).is_none() {
+                let mut unknown = Diagnostic::error(format!("`{}` reads no `{variable}`", pass.name.value));
+                if let Some(place) = &resource.place {
+                    unknown = unknown.at(place, "connected to nothing");
+                }
+                report.add(unknown.with_suggestion(variable, shader.bindings.iter().map(|b| b.variable.as_str())));
+            }
+        }
         for (location, (output, texture)) in outputs.iter().enumerate() {
             let Some(format) = self.textures.get(&texture.value).map(|t| t.format) else {
                 continue;
@@ -409,6 +473,20 @@ impl Planner<'_> {
             Ok(_) => {}
         }
     }
+}
+
+/// A filling whose connections lead to what is shown in the textures, too.
+fn with_twins(filling: &Filling) -> Filling {
+    let mut twinned = filling.clone();
+    for (variable, resource) in &filling.reads {
+        // Without a place: whether anything asks for it is not the writer's concern.
+        let twin = Spanned::unplaced(format!("{}{SHOWN}", resource.value));
+        twinned.reads.entry(format!("{SHOWN_OF}{variable}")).or_insert(twin);
+    }
+    for inner in twinned.slots.values_mut() {
+        *inner = with_twins(inner);
+    }
+    twinned
 }
 
 /// The values of a pass's numbers, by the names of the `override`s in its shader.
