@@ -7,9 +7,9 @@ use meniscus::source::{Diagnostic, Report};
 use meniscus::{Ablation, Project, Rounds, write_directory};
 use serde_json::{Map, Value, json};
 
-use super::Failure;
 use super::arguments::{Ablate, key_value};
 use super::progress::Bar;
+use super::{Failure, outputs};
 
 /// What is run where nothing is named.
 const ALL: &str = "refraction/*";
@@ -18,6 +18,8 @@ const MAX_COMBINATIONS: usize = 1000;
 
 pub(crate) fn run(project: &Project, ablate: &Ablate) -> Result<(), Failure> {
     let ablation = prepare(project, ablate)?;
+    let files = [&ablate.json, &ablate.markdown, &ablate.csv];
+    outputs::check(files.into_iter().flatten(), ablate.out.as_ref())?;
     let gpu = Gpu::open(ablate.look.adapter.as_deref())?;
     let bar = Bar::new();
     let outcome = ablation.run(project, &gpu, &|what, part| bar.tell(what, part));

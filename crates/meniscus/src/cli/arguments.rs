@@ -10,32 +10,38 @@ use meniscus::source::{Diagnostic, Report};
 
 use super::Failure;
 
+/// Under which the help shows the directories.
+const SOURCES: &str = "Directories (each may be given more than once)";
+
 /// Shader pipelines put together by configuration, and refraction that is both fast and right.
 #[derive(Debug, Parser)]
 #[command(name = "meniscus", version, max_term_width = 100)]
 pub(crate) struct Arguments {
-    /// A folder of WGSL modules that add to the built-in ones, or replace those of the same path.
+    /// WGSL modules that add to the built-in ones, or replace those of the same path.
     #[arg(
         long = "modules",
         id = "modules_folders",
         global = true,
-        value_name = "DIR"
+        value_name = "DIR",
+        help_heading = SOURCES
     )]
     modules: Vec<PathBuf>,
-    /// A folder of pipelines in RON, likewise.
+    /// Pipelines in RON, likewise.
     #[arg(
         long = "pipelines",
         id = "pipelines_folders",
         global = true,
-        value_name = "DIR"
+        value_name = "DIR",
+        help_heading = SOURCES
     )]
     pipelines: Vec<PathBuf>,
-    /// A folder of scenes in RON, likewise.
+    /// Scenes in RON, likewise.
     #[arg(
         long = "scenes",
         id = "scenes_folders",
         global = true,
-        value_name = "DIR"
+        value_name = "DIR",
+        help_heading = SOURCES
     )]
     scenes: Vec<PathBuf>,
     #[command(subcommand)]
@@ -56,9 +62,9 @@ impl Arguments {
 pub(crate) enum Command {
     /// List modules, slots, pipelines and scenes, each with its purpose.
     List(List),
-    /// Compose and validate every shader of every pipeline, without a GPU.
+    /// Compose and validate every shader of every pipeline, and every module, without a GPU.
     Check(Check),
-    /// Print the composed WGSL of a pass.
+    /// Print the WGSL that a pass is composed to.
     Compose(Compose),
     /// Render one pipeline to a PNG.
     Render(Render),
@@ -70,17 +76,21 @@ pub(crate) enum Command {
 
 #[derive(Debug, Args)]
 pub(crate) struct List {
-    /// What to list; everything if nothing is said.
+    /// What to list; all but settings if nothing is said.
     pub what: Vec<Listed>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Listed {
+    /// What modules can fill in a pass.
     Slots,
+    /// WGSL files.
     Modules,
+    /// What can be rendered.
     Pipelines,
+    /// What can be looked at.
     Scenes,
-    /// The keys that `--set` knows.
+    /// What `--set` can change, with units and ranges.
     Settings,
 }
 
@@ -94,11 +104,16 @@ pub(crate) struct Check {
 pub(crate) struct Compose {
     /// The pipeline, by name or file.
     pub pipeline: String,
-    /// The pass.
-    #[arg(long)]
+    /// The pass, by its name in the pipeline.
+    #[arg(long, value_name = "NAME")]
     pub pass: String,
-    /// Facts that hold (`waves`, `displaced`, `camera_submerged`), joined by commas.
-    #[arg(long, value_delimiter = ',', default_value = "waves,displaced")]
+    /// What holds of the scene: `waves`, `displaced`, `camera_submerged`, joined by commas.
+    #[arg(
+        long,
+        value_name = "FACT,FACT",
+        value_delimiter = ',',
+        default_value = "waves,displaced"
+    )]
     pub facts: Vec<String>,
     #[command(flatten)]
     pub changes: Changes,
@@ -107,7 +122,7 @@ pub(crate) struct Compose {
 /// Changes to pipelines.
 #[derive(Debug, Args)]
 pub(crate) struct Changes {
-    /// Change a pipeline: PASS.SLOT=MODULE or PASS.SLOT.NUMBER=VALUE.
+    /// Change a pipeline: PASS.SLOT=MODULE or PASS.SLOT.NUMBER=VALUE; may be given more than once.
     #[arg(long = "with", value_name = "KEY=VALUE")]
     pub with: Vec<String>,
 }
@@ -121,10 +136,12 @@ pub(crate) struct Look {
     /// Width and height in pixels.
     #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = size)]
     pub size: [u32; 2],
-    /// Change the scene, e.g. water.rms_slope=0.05; `meniscus list settings` tells all keys.
+    /// Change the scene, for example water.rms_slope=0.05; may be given more than once. `meniscus
+    /// list settings` tells all keys.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// The graphics adapter, by a part of its name.
+    /// The graphics adapter, by a part of its name (see `meniscus adapters`); the best one if none
+    /// is given.
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
 }
@@ -137,7 +154,7 @@ pub(crate) struct Render {
     pub look: Look,
     #[command(flatten)]
     pub changes: Changes,
-    /// The picture.
+    /// The picture to write.
     #[arg(short, long, value_name = "FILE.png")]
     pub output: PathBuf,
 }
@@ -150,20 +167,21 @@ pub(crate) struct Ablate {
     pub look: Look,
     #[command(flatten)]
     pub changes: Changes,
-    /// The water that rays meet, in pipelines and truth: its rest plane with the waves' normals, or
-    /// the waves. With `--set water.geometry=…` only the truth's.
-    #[arg(long, value_enum)]
+    /// The water that rays meet, in pipelines and truth: its rest plane with the waves' normals
+    /// (`flat`) or the waves (`displaced`); the scene's own if not given. With
+    /// `--set water.geometry=…` it is the truth's alone.
+    #[arg(long, value_enum, value_name = "GEOMETRY")]
     pub truth: Option<Geometry>,
-    /// Try fillings: PASS.SLOT=A,B…; given more than once, every combination is run.
+    /// Run each pipeline with each of these fillings; given more than once, with every combination.
     #[arg(long = "try", value_name = "PASS.SLOT=A,B")]
     pub attempts: Vec<String>,
     /// The pipeline that times are relative to; by default the one that says so of itself.
     #[arg(long, value_name = "PIPELINE")]
     pub baseline: Option<String>,
-    /// Frames of each pipeline that are timed, in turn with the others.
-    #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    /// How many frames of each pipeline are timed, in turn with the others'.
+    #[arg(long, value_name = "NUMBER", default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub rounds: u32,
-    /// Write the results as JSON.
+    /// Write the results as JSON; crates/meniscus-measure/README.md tells the keys.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
     /// Write the table as Markdown.

@@ -1,7 +1,7 @@
 //! `meniscus check` and `meniscus compose`
 
 use meniscus::Project;
-use meniscus::pipeline::{Facts, Plan};
+use meniscus::pipeline::{Facts, KNOWN_FACTS, Plan};
 use meniscus::source::{Diagnostic, Report};
 
 use super::Failure;
@@ -22,10 +22,23 @@ pub(crate) fn check(project: &Project, check: &Check) -> Result<(), Failure> {
                     for shown in [false, true] {
                         match Plan::new(&pipeline, &project.composer, &facts, shown) {
                             Ok(plan) => passes += plan.passes.len(),
-                            Err(wrong) => report.extend(wrong),
+                            Err(wrong) => {
+                                report.extend(wrong);
+                                // What is shown cannot be told of a pipeline that is wrong itself.
+                                break;
+                            }
                         }
                     }
                 }
+            }
+        }
+    }
+    if check.pipelines.is_empty() {
+        // Modules that no pipeline uses have to be sound as well. What a pipeline has already
+        // shown of a module is not said twice.
+        for found in project.composer.check_library().0 {
+            if !report.0.iter().any(|known| same(known, &found)) {
+                report.add(found);
             }
         }
     }
@@ -39,21 +52,49 @@ pub(crate) fn check(project: &Project, check: &Check) -> Result<(), Failure> {
         .count();
     if errors > 0 {
         return Err(Failure::Written(format!(
-            "{errors} errors in {} pipelines",
-            names.len()
+            "{} in {}",
+            counted(errors, "error"),
+            counted(names.len(), "pipeline")
         )));
     }
     let shaders = project.composer.composed();
     println!(
-        "{} pipelines, {passes} passes under all facts, {shaders} shaders: all valid",
-        names.len()
+        "{}, {} under all facts, {}: all valid",
+        counted(names.len(), "pipeline"),
+        counted_as(passes, "pass", "passes"),
+        counted(shaders as usize, "shader")
     );
     Ok(())
+}
+
+/// Whether two messages say the same of the same place.
+fn same(one: &Diagnostic, other: &Diagnostic) -> bool {
+    let place = |diagnostic: &Diagnostic| diagnostic.labels.first().map(|l| l.place.clone());
+    one.message == other.message && place(one) == place(other)
+}
+
+/// A number of things, in words.
+fn counted(count: usize, thing: &str) -> String {
+    counted_as(count, thing, &format!("{thing}s"))
+}
+
+fn counted_as(count: usize, one: &str, many: &str) -> String {
+    match count {
+        1 => format!("1 {one}"),
+        _ => format!("{count} {many}"),
+    }
 }
 
 pub(crate) fn compose(project: &Project, compose: &Compose) -> Result<(), Failure> {
     let mut pipelines = [project.pipeline(&compose.pipeline)?];
     compose.changes.apply(&mut pipelines)?;
+    for fact in &compose.facts {
+        if !KNOWN_FACTS.iter().any(|(known, _)| known == fact) {
+            let known = KNOWN_FACTS.iter().map(|(known, _)| *known);
+            let unknown = Diagnostic::error(format!("`--facts {fact}`: there is no such fact"));
+            return Err(unknown.with_suggestion(fact, known).into());
+        }
+    }
     let facts = Facts::new(compose.facts.iter().map(String::as_str));
     let plan = Plan::new(&pipelines[0], &project.composer, &facts, true)?;
     let pass = plan

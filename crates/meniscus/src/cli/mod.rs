@@ -5,6 +5,7 @@ mod ablate;
 mod arguments;
 mod check;
 mod list;
+mod outputs;
 mod progress;
 mod render;
 
@@ -40,8 +41,13 @@ impl From<meniscus::source::Diagnostic> for Failure {
 
 impl From<GpuError> for Failure {
     fn from(error: GpuError) -> Self {
-        match error {
+        match &error {
             GpuError::Size(_) => Self::Written(format!("error: {error}")),
+            // The name is wrong, where there are adapters of other names.
+            GpuError::NoAdapter {
+                wanted: Some(_),
+                found,
+            } if !found.is_empty() => Self::Written(format!("error: {error}")),
             _ => Self::Machine(format!("error: {error}")),
         }
     }

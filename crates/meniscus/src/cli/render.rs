@@ -4,13 +4,14 @@ use meniscus::gpu::Gpu;
 use meniscus::measure::write_png;
 use meniscus::{Picture, Project};
 
-use super::Failure;
 use super::arguments::Render;
+use super::{Failure, outputs};
 
 pub(crate) fn run(project: &Project, render: &Render) -> Result<(), Failure> {
     let mut pipelines = [project.pipeline(&render.pipeline)?];
     render.changes.apply(&mut pipelines)?;
     let scene = render.look.scene(project)?;
+    outputs::check([&render.output], None)?;
     let gpu = Gpu::open(render.look.adapter.as_deref())?;
     let picture = Picture::render(project, &gpu, &pipelines[0], &scene, render.look.size)?;
     write_png(&render.output, picture.size, &picture.srgb())?;
