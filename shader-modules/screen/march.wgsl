@@ -3,12 +3,12 @@
 // DDA (what is linear along the line is 1 / depth), a hit where the depths that the ray has within
 // a step overlap the drawn surface and its thickness, then bisection. World space, metres; depth
 // along `forward`; texels. Valid only where world rays are straight on the screen.
-// A ray that meets nothing drawn (it goes on behind something, or leaves the buffers) shows the
-// pixel itself, as without refraction. Normals and id are not known: for fillings of `colour`
-// that fetch what was drawn at the texel.
+// A ray that leaves the buffers shows what is where it does so; one that goes on behind something
+// until its end shows the pixel itself, as without refraction. Normals and id are not known: for
+// fillings of `colour` that fetch what was drawn at the texel.
 //
 // provides: intersect
-// needs: geometry/ray, geometry/hit, screen/neighbours, screen/seen_view
+// needs: geometry/ray, geometry/hit, screen/neighbours, screen/seen_view, screen/target
 // requires: reproject = screen/plain, colour = screen/resampled
 // number thickness: 0 to 100 m, step 0.05
 // number stride: 1 to 64 px, step 1
@@ -20,7 +20,7 @@
 var seen_depth: texture_depth_2d;
 
 // How far every drawn surface is taken to go on behind its front.
-override thickness: f32 = 0.5;
+override thickness: f32 = 0.1;
 override stride: f32 = 1.0;
 // The part of a step by which pixels' marches begin apart.
 override jitter: f32 = 0.0;
@@ -48,7 +48,7 @@ fn march_noise(texel: vec2f) -> f32 {
 // 1 / depth of what was drawn at a texel, 0 where nothing was.
 fn march_drawn(texel: vec2i) -> f32 {
     let last = vec2i(textureDimensions(seen_depth)) - 1;
-    return textureLoad(seen_depth, clamp(texel, vec2i(0), last), 0) / view_seen.near;
+    return textureLoad(seen_depth, clamp(texel, vec2i(0), last), 0) / view_target.near;
 }
 
 // The same between texels; exact on planes.
@@ -71,11 +71,12 @@ fn march_inside(march: March) -> f32 {
 
 fn intersect(ray: Ray, texel: vec2f) -> Hit {
     // A ray that comes back is followed as far as the near plane.
-    let depth = dot(ray.origin - view_seen.eye, view_seen.forward);
-    let fall = -dot(ray.direction, view_seen.forward);
-    let far = min(reach, max(depth - view_seen.near, 1e-3) / max(fall, 1e-6));
-    let first = view_pixel(view_seen, ray.origin);
-    let last = view_pixel(view_seen, ray.origin + far * ray.direction);
+    let view = view_seen();
+    let depth = dot(ray.origin - view.eye, view.forward);
+    let fall = -dot(ray.direction, view.forward);
+    let far = min(reach, max(depth - view.near, 1e-3) / max(fall, 1e-6));
+    let first = view_pixel(view, ray.origin);
+    let last = view_pixel(view, ray.origin + far * ray.direction);
     let inverse = 1.0 / vec2f(max(first.z, 1e-6), max(last.z, 1e-6));
     let march = March(first.xy, last.xy - first.xy, inverse.x, inverse.y - inverse.x);
     let inside = march_inside(march);
@@ -99,11 +100,14 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
         at += step;
     }
     if !met {
-        var shows = march_drawn(vec2i(floor(texel))) > 0.0;
+        // Where the ray leaves the buffers, what is at their edge is the nearest to it.
+        let left = inside < 1.0 && before >= inside;
+        let shown_at = select(texel, march.texel + inside * march.way, left);
+        var shows = march_drawn(vec2i(floor(shown_at))) > 0.0;
         for (var i = 0; i < NEIGHBOURS && !shows; i++) {
-            shows = march_drawn(vec2i(floor(texel)) + neighbour(i)) > 0.0;
+            shows = march_drawn(vec2i(floor(shown_at)) + neighbour(i)) > 0.0;
         }
-        return Hit(ray.origin, vec3f(0.0), vec3f(0.0), -1.0, texel, 0.0, shows);
+        return Hit(ray.origin, vec3f(0.0), vec3f(0.0), -1.0, shown_at, 0.0, shows, ray.direction);
     }
     for (var i = 0; i < refinements; i++) {
         let middle = 0.5 * (before + after);
@@ -112,13 +116,14 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
         before = select(middle, before, behind);
         after = select(after, middle, behind);
     }
-    // Both sides are linear in the march where a plane was drawn: one secant step is exact there.
+    // Both sides are linear in the march where a plane was drawn: one secant step is exact there,
+    // also a little outside of the two texels that were compared.
     let start = march.inverse_depth + march.gain * before - march_drawn_between(march.texel + before * march.way);
     let end = march.inverse_depth + march.gain * after - march_drawn_between(march.texel + after * march.way);
-    let crosses = start > 0.0 && end < 0.0;
-    let part = mix(before, after, select(0.5, start / max(start - end, 1e-20), crosses));
+    let secant = select(0.5, start / (start - end), start - end > 1e-9);
+    let part = clamp(mix(before, after, clamp(secant, -1.0, 2.0)), 0.0, inside);
     // t / depth is linear along the march, too.
     let t = part * far * inverse.y / (march.inverse_depth + march.gain * part);
     let position = ray.origin + t * ray.direction;
-    return Hit(position, vec3f(0.0), vec3f(0.0), -1.0, march.texel + part * march.way, 0.0, true);
+    return Hit(position, vec3f(0.0), vec3f(0.0), -1.0, march.texel + part * march.way, 0.0, true, ray.direction);
 }
