@@ -129,6 +129,12 @@ class Check:
         self.agrees &= bool(agrees)
         print(f"{'ok ' if agrees else 'OFF'} {what}: {figures}")
 
+    def row(self, name, agrees, ours, theirs):
+        """A row of what was recomputed, over one of what it should be."""
+        self.agrees &= bool(agrees)
+        for start, figures in ((f"{'ok ' if agrees else 'OFF'} {name}", ours), ("", theirs)):
+            print(f"{start:40}" + "".join(f"{figure:>11}" for figure in figures))
+
 
 def check_truth(check, folder, camera, water, tracer, step):
     """Compares masks and true points; returns (truth, judged pixels, total), pixels in one row."""
@@ -188,9 +194,12 @@ def check_rows(check, folder, camera, water, results, truth, judged, total):
         agrees = all(abs(ours[k] - theirs[k]) <= FIGURE_PX for k in ours) and all(
             abs(shares[k] - row["error"][k]) <= SHARE for k in shares
         )
-        figures = [f"{k} {ours[k]:.4f} ({theirs[k]:.4f}) px" for k in ours]
-        figures += [f"{k} {shares[k]:.3%} ({row['error'][k]:.3%})" for k in shares]
-        check.say(row["pipeline"], agrees, ", ".join(figures))
+        check.row(
+            row["pipeline"],
+            agrees,
+            [f"{ours[k]:.4f}" for k in ours] + [f"{shares[k]:.3%}" for k in shares],
+            [f"{theirs[k]:.4f}" for k in ours] + [f"{row['error'][k]:.3%}" for k in shares],
+        )
 
 
 def load(path, camera, channels):
@@ -229,7 +238,8 @@ def recompute(folder, step):
         ("undefined_pixels", masks["water"] & masks["undefined"]),
     ):
         check.say(key, mask.sum() == results[key], f"{mask.sum()} ({results[key]})")
-    print("Recomputed figures, those of results.json in brackets:")
+    header = ["mean px", *(f"{name} px" for name in SUMMARY), "≤ ½ px", "wrong"]
+    print(f"{'recomputed, and below as results.json':40}" + "".join(f"{h:>11}" for h in header))
     check_rows(check, folder, camera, water, results, truth, judged, masks["total"])
     seconds = time.monotonic() - start
     verdict = "All agrees" if check.agrees else "Not all agrees"
