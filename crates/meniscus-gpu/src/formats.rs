@@ -11,6 +11,7 @@ pub(crate) fn to_wgpu(format: Format) -> wgpu::TextureFormat {
         Format::Rgba8Unorm => wgpu::TextureFormat::Rgba8Unorm,
         Format::Rgba16Float => wgpu::TextureFormat::Rgba16Float,
         Format::Rgba32Float => wgpu::TextureFormat::Rgba32Float,
+        Format::Rgba32Uint => wgpu::TextureFormat::Rgba32Uint,
         Format::Depth32Float => wgpu::TextureFormat::Depth32Float,
     }
 }
@@ -24,6 +25,7 @@ pub(crate) fn storage(format: naga::StorageFormat) -> Option<wgpu::TextureFormat
         naga::StorageFormat::Rgba8Unorm => wgpu::TextureFormat::Rgba8Unorm,
         naga::StorageFormat::Rgba16Float => wgpu::TextureFormat::Rgba16Float,
         naga::StorageFormat::Rgba32Float => wgpu::TextureFormat::Rgba32Float,
+        naga::StorageFormat::Rgba32Uint => wgpu::TextureFormat::Rgba32Uint,
         _ => return None,
     })
 }
@@ -33,7 +35,7 @@ pub(crate) fn channels(format: Format) -> usize {
     match format {
         Format::R32Float | Format::R32Uint | Format::Depth32Float => 1,
         Format::Rg32Float => 2,
-        Format::Rgba8Unorm | Format::Rgba16Float | Format::Rgba32Float => 4,
+        Format::Rgba8Unorm | Format::Rgba16Float | Format::Rgba32Float | Format::Rgba32Uint => 4,
     }
 }
 
@@ -42,7 +44,7 @@ pub(crate) fn texel_bytes(format: Format) -> u32 {
     match format {
         Format::R32Float | Format::R32Uint | Format::Depth32Float | Format::Rgba8Unorm => 4,
         Format::Rg32Float | Format::Rgba16Float => 8,
-        Format::Rgba32Float => 16,
+        Format::Rgba32Float | Format::Rgba32Uint => 16,
     }
 }
 
@@ -83,7 +85,7 @@ pub(crate) fn decode(format: Format, row: &[u8], out: &mut Vec<f32>) {
                 .map(|b| half::f16::from_le_bytes([b[0], b[1]]));
             out.extend(halves.map(f32::from));
         }
-        Format::R32Uint => {
+        Format::R32Uint | Format::Rgba32Uint => {
             out.extend(
                 row.chunks_exact(4)
                     .map(|b| u32::from_le_bytes(word(b)) as f32),

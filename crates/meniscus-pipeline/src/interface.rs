@@ -21,6 +21,7 @@ impl Format {
             Self::Rgba8Unorm => Some("rgba8unorm"),
             Self::Rgba16Float => Some("rgba16float"),
             Self::Rgba32Float => Some("rgba32float"),
+            Self::Rgba32Uint => Some("rgba32uint"),
             Self::Depth32Float => None,
         }
     }
@@ -54,7 +55,7 @@ impl Format {
 
     fn sample(self) -> Sample {
         match self {
-            Self::R32Uint => Sample::Uint,
+            Self::R32Uint | Self::Rgba32Uint => Sample::Uint,
             Self::Depth32Float => Sample::Depth,
             _ => Sample::Float,
         }
@@ -65,6 +66,8 @@ impl Format {
         match self {
             Self::R32Float | Self::Depth32Float => (1, false),
             Self::R32Uint => (1, true),
+            Self::Rgba32Uint => (4, true),
+            Self::Rgba32Uint => (4, true),
             Self::Rg32Float => (2, false),
             _ => (4, false),
         }

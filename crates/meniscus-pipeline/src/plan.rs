@@ -56,6 +56,7 @@ pub enum Format {
     Rgba8Unorm,
     Rgba16Float,
     Rgba32Float,
+    Rgba32Uint,
     Depth32Float,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A drawing skeleton has `fn vertex(attributes…) -> V`, V having a member `clip: vec4f`, and
 //! `fn fragment(v: V, …) -> S`; a screen skeleton has `fn screen(pixel: vec2f) -> S`. Both may have
-//! `fn keep(s: S) -> bool`, and for each output NAME `fn write_NAME(s: S) -> T`. Only the outputs
+//! `fn keep(s: S) -> bool`, `fn also(s: S)` for what they do besides, and for each output NAME `fn write_NAME(s: S) -> T`. Only the outputs
 //! that a pass writes are called, so that what the others read is pruned. A compute skeleton has
 //! `fn compute(thread: vec3u)` and writes what it declares.
 
@@ -14,6 +14,9 @@ use crate::compose::{Recipe, Stage};
 use crate::library::Module;
 use crate::outline::{Field, Item, ItemKind};
 use crate::shader::{Attribute, Entry};
+
+/// The output that says which points the others show.
+const SHOWN: &str = "shown";
 
 /// The written entry points.
 pub(crate) struct Written {
@@ -193,11 +196,19 @@ fn is_io(ty: &str) -> bool {
 }
 
 /// Statements that leave the entry point unless the state is kept.
-fn keep(skeleton: &Module, leave: &str) -> String {
-    match skeleton.item("keep") {
+///
+/// What a skeleton does besides its outputs (`also`) is done once: not again by the pass that only
+/// tells what another shows.
+fn keep(skeleton: &Module, recipe: &Recipe, leave: &str) -> String {
+    let mut statements = match skeleton.item("keep") {
         Some(_) => format!("    if !keep(state) {{ {leave}; }}\n"),
         None => String::new(),
+    };
+    let only_shown = recipe.outputs.iter().all(|o| o.name.value == SHOWN);
+    if skeleton.item("also").is_some() && !only_shown {
+        statements.push_str("    also(state);\n");
     }
+    statements
 }
 
 /// The struct of a fragment shader's outputs, and the expression that makes one.
@@ -215,8 +226,12 @@ fn targets(outputs: &[(String, String)]) -> (String, String) {
 }
 
 /// The end of a fragment entry point: its result type and last statements.
-fn finish(skeleton: &Module, outputs: &[(String, String)]) -> (String, &'static str, String) {
-    let keep = keep(skeleton, "discard");
+fn finish(
+    skeleton: &Module,
+    recipe: &Recipe,
+    outputs: &[(String, String)],
+) -> (String, &'static str, String) {
+    let keep = keep(skeleton, recipe, "discard");
     if outputs.is_empty() {
         return (String::new(), "", keep);
     }
@@ -317,7 +332,7 @@ fn draw(skeleton: &Module, recipe: &Recipe) -> Result<Written, Report> {
         values.join(", ")
     };
     let outputs = outputs(skeleton, recipe)?;
-    let (declared, result, end) = finish(skeleton, &outputs);
+    let (declared, result, end) = finish(skeleton, recipe, &outputs);
     let extra = builtin_arguments(skeleton, &fragment, 1)?;
     let front = if extra.contains(", front") {
         ", @builtin(front_facing) front: bool"
@@ -379,7 +394,7 @@ fn builtin_arguments(
 fn screen(skeleton: &Module, recipe: &Recipe) -> Result<Written, Report> {
     screen_function(skeleton, recipe)?;
     let outputs = outputs(skeleton, recipe)?;
-    let (declared, result, end) = finish(skeleton, &outputs);
+    let (declared, result, end) = finish(skeleton, recipe, &outputs);
     let text = format!(
         "{declared}// One triangle that covers the screen.\n\
          @vertex\nfn vertex_main(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {{\n    \
@@ -423,7 +438,7 @@ fn screen_compute(skeleton: &Module, recipe: &Recipe) -> Result<Written, Report>
         SCREEN_WORKGROUP
     };
     let [x, y, _] = workgroup;
-    let keep = keep(skeleton, "return");
+    let keep = keep(skeleton, recipe, "return");
     let size = match outputs.first() {
         Some((name, _)) => format!("vec2u(textureDimensions(target_{name}))"),
         None => return Err(wrong(skeleton, "a compute pass must write something")),
