@@ -36,6 +36,8 @@ impl Format {
             Self::Rgba8Unorm => Some(F::Rgba8Unorm),
             Self::Rgba16Float => Some(F::Rgba16Float),
             Self::Rgba32Float => Some(F::Rgba32Float),
+            Self::Rgba32Uint => Some(F::Rgba32Uint),
+            Self::Rgba32Uint => Some(F::Rgba32Uint),
             Self::Depth32Float => None,
         }
     }
@@ -45,7 +47,7 @@ impl Format {
         match self {
             Self::R32Float | Self::R32Uint | Self::Depth32Float => 4,
             Self::Rg32Float | Self::Rgba8Unorm | Self::Rgba16Float => 8,
-            Self::Rgba32Float => 16,
+            Self::Rgba32Float | Self::Rgba32Uint => 16,
         }
     }
 
@@ -66,7 +68,6 @@ impl Format {
         match self {
             Self::R32Float | Self::Depth32Float => (1, false),
             Self::R32Uint => (1, true),
-            Self::Rgba32Uint => (4, true),
             Self::Rgba32Uint => (4, true),
             Self::Rg32Float => (2, false),
             _ => (4, false),
