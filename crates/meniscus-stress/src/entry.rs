@@ -5,11 +5,12 @@ use std::sync::Arc;
 use naga::{Binding, BuiltIn, ShaderStage};
 use rayon::prelude::*;
 
+use crate::code::Code;
 use crate::error::Trap;
 use crate::function::{bind, result_kinds};
 use crate::machine::{Blind, Machine, Shared, Stop};
 use crate::number::Scalar;
-use crate::op::{Code, LANES, Leaf};
+use crate::op::{LANES, Leaf};
 use crate::resources::Resources;
 use crate::shape::{Column, Lanes, Shape};
 

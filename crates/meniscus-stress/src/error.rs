@@ -1,6 +1,6 @@
 //! What can go wrong, and where.
 
-use crate::op::Site;
+use crate::code::Site;
 
 /// WGSL that the evaluator cannot run.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use crate::code::{Argument, Code, SlotKind};
 use crate::error::Trap;
 use crate::machine::{Blind, Bound, Connected, Machine, Shared};
 use crate::number::Scalar;
-use crate::op::{Argument, Code, LANES, Leaf, SlotKind};
+use crate::op::{LANES, Leaf};
 use crate::resources::Resources;
 use crate::shape::{Column, Kind, Lanes, Shape};
 

@@ -23,6 +23,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod code;
 mod compile;
 mod entry;
 mod error;
@@ -38,12 +39,12 @@ mod texel;
 mod trace;
 pub mod ulp;
 
+pub use code::Site;
 pub use compile::{Program, Settings};
 pub use entry::{Entry, Feed, Pixels, Varying};
 pub use error::{Trap, Unsupported};
 pub use function::{Function, Outcome};
 pub use number::{DoubleDouble, Dual, Elementary, Interval, Scalar, Shadow, Stochastic, Whole};
-pub use op::Site;
 pub use resources::{Buffer, DepthTest, Resources, Sampler, Texture, Wrap};
 pub use shape::{Column, Kind, Lanes, Shape};
 pub use stress::{

@@ -1,10 +1,11 @@
 //! The WGSL line at which `f32` and `f64` part.
 
+use crate::code::{Code, Site};
 use crate::error::Trap;
 use crate::function::{Function, bind, result_kinds};
 use crate::machine::{Column as Register, Machine, Observer, Shared, Stop};
 use crate::number::{Scalar, Shadow};
-use crate::op::{Code, Op, Site};
+use crate::op::Op;
 use crate::resources::Resources;
 use crate::shape::{Column, Lanes};
 

@@ -8,11 +8,9 @@ use naga::{Handle, Module, Span, TypeInner};
 use super::Settings;
 use super::constant::Folded;
 use super::types::Types;
+use crate::code::{Code, Site, Slot, SlotKind};
 use crate::error::Unsupported;
-use crate::op::{
-    CONSTANT, Code, Compare, Float1, Float2, Int1, Int2, Leaf, NONE, Op, Register, Site, Slot,
-    SlotKind,
-};
+use crate::op::{CONSTANT, Compare, Float1, Float2, Int1, Int2, Leaf, NONE, Op, Register};
 use crate::registers::LeafMut;
 use crate::shape::Kind;
 

@@ -6,7 +6,8 @@ use naga::{Block, Expression, Handle, Statement, TypeInner};
 
 use super::Root;
 use super::builder::{Builder, Context, Frame, Result, Value};
-use crate::op::{Argument, Code, Leaf, Op};
+use crate::code::{Argument, Code};
+use crate::op::{Leaf, Op};
 use crate::registers::LeafMut;
 use crate::registers::show;
 

@@ -6,9 +6,11 @@ mod constant;
 mod expression;
 mod function;
 mod image;
+mod integer;
 mod math;
 mod operator;
 mod pack;
+mod place;
 mod statement;
 mod types;
 
@@ -18,8 +20,8 @@ use std::sync::{Arc, Mutex};
 use naga::valid::ModuleInfo;
 use naga::{Handle, Module};
 
+use crate::code::{Code, Site};
 use crate::error::{Trap, Unsupported};
-use crate::op::{Code, Site};
 
 /// How a module is to be run.
 #[derive(Debug, Clone)]

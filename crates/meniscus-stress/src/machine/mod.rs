@@ -5,9 +5,10 @@ mod image;
 mod int;
 mod memory;
 
+use crate::code::Code;
 use crate::error::Trap;
 use crate::number::Scalar;
-use crate::op::{Code, LANES, Op, Register};
+use crate::op::{LANES, Op, Register};
 pub(crate) use memory::{Bound, Connected, Shared};
 
 /// A number in each lane.
