@@ -1,0 +1,113 @@
+// Where a ray first passes behind what was drawn, each step placed as what was drawn is: a march
+// for buffers in which world rays are curves, as after the broad phase.
+// The hit test and the thickness are McGuire & Mara's (2014, JCGT 3(4)); the steps go along the ray
+// in the world, as far as it takes to move by `stride` on the screen or to reach what was drawn.
+// World space, metres; depth along `forward` of where points appear; texels.
+// A ray that leaves the buffers shows what is where it does so; one that goes on behind something
+// until its end shows the pixel itself. Normals and id are not known: for fillings of `colour` that
+// fetch what was drawn at the texel.
+//
+// provides: intersect
+// needs: geometry/ray, geometry/hit, screen/neighbours, screen/seen_view, screen/target
+// slots: place
+// requires: colour = screen/resampled
+// number thickness: 0 to 100 m, step 0.05
+// number stride: 0.25 to 64 px, step 0.25
+// number march_steps: 1 to 4096, step 64
+// number refinements: 0 to 12, step 1
+// number reach: 0.1 to 1000 m, step 1
+
+var seen_depth: texture_depth_2d;
+
+// How far every drawn surface is taken to go on behind its front.
+override thickness: f32 = 0.1;
+override stride: f32 = 1.0;
+override march_steps: i32 = 512;
+// Steps of regula falsi within the step in which the ray passed behind.
+override refinements: i32 = 2;
+// How far the ray is followed.
+override reach: f32 = 30.0;
+
+// A point of the ray: how far along it, where it appears, and how far in front of what was drawn.
+struct Marched {
+    along: f32,
+    texel: vec2f,
+    depth: f32,
+    gap: f32,
+}
+
+// Depth of what was drawn at a texel; far away where nothing was.
+fn curved_drawn(texel: vec2i) -> f32 {
+    let last = vec2i(textureDimensions(seen_depth)) - 1;
+    let inverse = textureLoad(seen_depth, clamp(texel, vec2i(0), last), 0);
+    return view_target.near / max(inverse, 1e-7 * view_target.near);
+}
+
+// The same between texels.
+fn curved_drawn_between(texel: vec2f) -> f32 {
+    let corner = vec2i(floor(texel - 0.5));
+    let part = texel - 0.5 - floor(texel - 0.5);
+    let upper = mix(curved_drawn(corner), curved_drawn(corner + vec2i(1, 0)), part.x);
+    let lower = mix(curved_drawn(corner + vec2i(0, 1)), curved_drawn(corner + vec2i(1, 1)), part.x);
+    return mix(upper, lower, part.y);
+}
+
+fn marched(ray: Ray, along: f32) -> Marched {
+    let appears = view_pixel(view_seen(), place(ray.origin + along * ray.direction));
+    return Marched(along, appears.xy, appears.z, curved_drawn(vec2i(floor(appears.xy))) - appears.z);
+}
+
+fn outside(texel: vec2f) -> bool {
+    return any(texel != clamp(texel, vec2f(0.0), vec2f(textureDimensions(seen_depth))));
+}
+
+fn intersect(ray: Ray, texel: vec2f) -> Hit {
+    var before = marched(ray, 0.0);
+    var after = before;
+    var step = 0.01 * clamp(before.gap, 0.01, 1.0);
+    var met = false;
+    var left = false;
+    for (var i = 0; i < march_steps && !met; i++) {
+        after = marched(ray, before.along + step);
+        left = outside(after.texel);
+        met = after.gap <= 0.0 && before.depth <= after.depth + after.gap + thickness;
+        if left || after.along >= reach {
+            break;
+        }
+        // What one metre along the ray means on the screen and in depth. Just more than the gap, so
+        // that the next point is behind where both run straight.
+        let moved = length(after.texel - before.texel) / step;
+        let sunk = max(after.depth - before.depth, 0.0) / step;
+        let to_gap = select(1e9, (1.02 * after.gap + 1e-5 * after.depth) / max(sunk, 1e-3), after.gap > 0.0);
+        if !met {
+            step = min(min(stride / max(moved, 1e-6), to_gap), 8.0 * step);
+            before = after;
+        }
+    }
+    if !met {
+        let shown_at = select(texel, after.texel, left);
+        var shows = curved_drawn(vec2i(floor(shown_at))) < 1e6;
+        for (var i = 0; i < NEIGHBOURS && !shows; i++) {
+            shows = curved_drawn(vec2i(floor(shown_at)) + neighbour(i)) < 1e6;
+        }
+        return Hit(ray.origin, vec3f(0.0), vec3f(0.0), -1.0, shown_at, 0.0, shows, ray.direction);
+    }
+    before.gap = curved_drawn_between(before.texel) - before.depth;
+    after.gap = curved_drawn_between(after.texel) - after.depth;
+    for (var i = 0; i < refinements; i++) {
+        let fall = before.gap - after.gap;
+        let secant = clamp(select(0.5, before.gap / fall, fall > 1e-9), -0.5, 1.5);
+        var middle = marched(ray, max(mix(before.along, after.along, secant), 0.0));
+        middle.gap = curved_drawn_between(middle.texel) - middle.depth;
+        if middle.gap > 0.0 {
+            before = middle;
+        } else {
+            after = middle;
+        }
+    }
+    let fall = before.gap - after.gap;
+    let part = clamp(select(0.5, before.gap / fall, fall > 1e-9), 0.0, 1.0);
+    let position = ray.origin + mix(before.along, after.along, part) * ray.direction;
+    let shown_at = mix(before.texel, after.texel, part);
+    return Hit(position, vec3f(0.0), vec3f(0.0), -1.0, shown_at, 0.0, true, ray.direction);
+}
