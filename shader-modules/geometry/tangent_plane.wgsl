@@ -1,23 +1,32 @@
 // Where a refracted ray meets the tangent plane of the surface seen near it.
 // Liu, Han, Fei 2020, narrow phase, eq. 3. World space, metres. A ray that runs along the plane, or
 // meets it behind its origin, is taken to meet the seen point itself. Where nothing is seen there
-// is no hit.
+// is no hit. The residual is the distance from the ray of what is seen where the hit appears, in
+// pixels: it tells the error without a reference, but not of a nearer surface that hides there.
 //
 // provides: intersect
-// needs: geometry/ray, geometry/hit, screen/seen
-// slots: reproject
+// needs: geometry/ray, geometry/hit, screen/seen_point, screen/residual
+// slots: reproject, seen
 
 fn intersect(ray: Ray, texel: vec2f) -> Hit {
-    let seen = seen_at(texel);
-    if seen.object < 0.0 {
-        return no_hit(ray, texel);
+    let near = seen(texel);
+    if near.object < 0.0 {
+        var nothing = no_hit(ray, texel);
+        nothing.residual = UNKNOWN_RESIDUAL;
+        return nothing;
     }
-    let slope = dot(seen.normal, ray.direction);
-    let offset = dot(seen.normal, seen.position - ray.origin);
-    var position = seen.position;
+    let slope = dot(near.normal, ray.direction);
+    let offset = dot(near.normal, near.position - ray.origin);
+    var position = near.position;
     // |slope| ≥ 1e-4 and one sign: the quotient is finite and positive.
     if slope * offset > 0.0 && abs(slope) > 1e-4 {
         position = ray.origin + (offset / slope) * ray.direction;
     }
-    return Hit(position, seen.normal, seen.shading_normal, seen.object, reproject(position), 0.0, true, ray.direction);
+    let place = reproject(position);
+    let there = seen(place);
+    var residual = UNKNOWN_RESIDUAL;
+    if there.object >= 0.0 && is_seen(place) {
+        residual = residual_px(ray, there.position);
+    }
+    return Hit(position, near.normal, near.shading_normal, near.object, place, residual, true, ray.direction);
 }

@@ -1,10 +1,11 @@
 // Draws solid surfaces, each vertex where `place` says that it appears.
 // Outputs: `colour` linear RGB; `position` the world point (metres) and object id, `apparent` the
 // same with the point where it appears; `normal` the geometric and the shading normal, octahedral;
+// `plane` the distance of the tangent plane from the eye, both normals and the id + 1, as bits;
 // `shown` the world point and id.
 //
 // skeleton: draw
-// outputs: colour, position, apparent, normal, shown
+// outputs: colour, position, apparent, normal, plane, shown
 // slots: place, shade, side
 // needs: geometry/octahedral, screen/target, shading/surface_point
 // flat: geometric_normal
@@ -52,6 +53,14 @@ fn write_apparent(drawn: Drawn) -> vec4f {
 
 fn write_normal(drawn: Drawn) -> vec4f {
     return vec4f(octahedral_encoded(drawn.point.geometric_normal), octahedral_encoded(drawn.point.normal));
+}
+
+fn write_plane(drawn: Drawn) -> vec4u {
+    let point = drawn.point;
+    let distance = dot(point.geometric_normal, point.position - view_target.eye);
+    let normal = pack2x16snorm(octahedral_encoded(point.geometric_normal));
+    let shading_normal = pack2x16snorm(octahedral_encoded(point.normal));
+    return vec4u(bitcast<u32>(distance), normal, shading_normal, point.object + 1u);
 }
 
 fn write_shown(drawn: Drawn) -> vec4f {

@@ -1,18 +1,10 @@
 // What was drawn of the far side of the water: positions, normals and ids.
 // World space, metres; texels with centres at half integers. Where nothing was drawn the id is −1.
 //
-// needs: geometry/octahedral, screen/neighbours
+// needs: geometry/octahedral, screen/neighbours, screen/seen_point
 
 var seen_position: texture_2d<f32>;
 var seen_normal: texture_2d<f32>;
-
-// `object` is −1 where nothing was seen; the rest means nothing then.
-struct Seen {
-    position: vec3f,
-    normal: vec3f,
-    shading_normal: vec3f,
-    object: f32,
-}
 
 // The point seen at a place of the seen buffers, clamped to them; at the water's edge, where the
 // nearest texel may show nothing, that of a neighbour. The position is bilinear over the texels

@@ -37,7 +37,6 @@ impl Format {
             Self::Rgba16Float => Some(F::Rgba16Float),
             Self::Rgba32Float => Some(F::Rgba32Float),
             Self::Rgba32Uint => Some(F::Rgba32Uint),
-            Self::Rgba32Uint => Some(F::Rgba32Uint),
             Self::Depth32Float => None,
         }
     }

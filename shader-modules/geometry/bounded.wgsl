@@ -1,0 +1,18 @@
+// A cheap intersection where its residual is within a bound, an exact one elsewhere.
+// The residual estimates the error of every pixel without a reference; what meets nothing, or leaves
+// the seen buffers, has the largest residual. A bound of 0 leaves nothing to the cheap one.
+//
+// provides: intersect
+// needs: geometry/ray, geometry/hit
+// slots: first: intersect, then: intersect
+// number bound_px: 0 to 64 px, step 0.05
+
+override bound_px: f32 = 0.25;
+
+fn intersect(ray: Ray, texel: vec2f) -> Hit {
+    let hit = first(ray, texel);
+    if hit.residual < bound_px {
+        return hit;
+    }
+    return then(ray, texel);
+}

@@ -1,0 +1,57 @@
+// Looks through the water: each pixel's ray meets it, is deflected, and meets something behind.
+// Where nothing stands before the sky, the sky; what stands before the water stays.
+// Pixels whose residual exceeds `bound_px` are listed, for a later pass to do them again.
+// Outputs: `colour` linear RGB; `shown` the world point (metres) and object id of that colour.
+//
+// skeleton: screen
+// outputs: colour, shown
+// slots: colour
+// number bound_px: 0 to 64 px, step 0.05
+// needs: sky/gradient, water/redirected
+
+// Pixels as x + 65536 y, behind their count.
+struct List {
+    count: atomic<u32>,
+    pixels: array<u32>,
+}
+
+var<storage, read_write> listed: List;
+
+override bound_px: f32 = 0.25;
+
+struct Candidate {
+    pixel: vec2f,
+    redirected: Redirected,
+}
+
+fn screen(pixel: vec2f) -> Candidate {
+    return Candidate(pixel, redirected(pixel));
+}
+
+fn keep(candidate: Candidate) -> bool {
+    return candidate.redirected.kept;
+}
+
+fn also(candidate: Candidate) {
+    if candidate.redirected.wet && candidate.redirected.hit.residual >= bound_px {
+        let place = atomicAdd(&listed.count, 1u);
+        if place < arrayLength(&listed.pixels) {
+            let pixel = vec2u(candidate.pixel);
+            listed.pixels[place] = pixel.x | (pixel.y << 16u);
+        }
+    }
+}
+
+fn write_colour(candidate: Candidate) -> vec4f {
+    if !candidate.redirected.wet {
+        return vec4f(sky_colour(candidate.redirected.ray.direction), 1.0);
+    }
+    return vec4f(colour(candidate.redirected.hit, candidate.redirected.ray), 1.0);
+}
+
+fn write_shown(candidate: Candidate) -> vec4f {
+    if !candidate.redirected.wet {
+        return vec4f(0.0, 0.0, 0.0, -1.0);
+    }
+    return shown(candidate.redirected.hit, candidate.redirected.ray);
+}

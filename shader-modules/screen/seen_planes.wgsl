@@ -1,0 +1,31 @@
+// The solid point seen at a place of the seen buffers, from one texel that holds its plane.
+// The point is where the ray that flat water refracts towards this very place meets the plane: no
+// interpolation, one load. World space, metres; texels with centres at half integers.
+//
+// provides: seen
+// needs: geometry/octahedral, optics/snell, screen/neighbours, screen/seen_point, screen/seen_view, screen/target, water/body
+
+// x: the bits of the plane's distance from the eye along its normal, metres. y, z: the geometric
+// and the shading normal, octahedral, as pairs of 16-bit numbers. w: object id + 1, 0 for none.
+var seen_plane: texture_2d<u32>;
+
+fn seen(texel: vec2f) -> Seen {
+    let last = vec2i(textureDimensions(seen_plane)) - 1;
+    let middle = vec2i(floor(texel));
+    var plane = textureLoad(seen_plane, clamp(middle, vec2i(0), last), 0);
+    for (var i = 0; i < NEIGHBOURS && plane.w == 0u; i++) {
+        plane = textureLoad(seen_plane, clamp(middle + neighbour(i), vec2i(0), last), 0);
+    }
+    let normal = octahedral_decoded(unpack2x16snorm(plane.y));
+    let shading_normal = octahedral_decoded(unpack2x16snorm(plane.z));
+    let ray = view_ray(view_seen(), texel);
+    // Level rays never meet the plane of the water; they are bent as if they just did.
+    let fall = max(-water.camera_side * ray.direction.z, 1e-6);
+    let way = max(water.camera_side * (ray.origin.z - water.level), 0.0) / fall;
+    let crossing = ray.origin + min(way, 1e6) * ray.direction;
+    let behind = refracted(ray.direction, vec3f(0.0, 0.0, 1.0), water.relative_index);
+    let slope = dot(normal, behind.direction);
+    let offset = bitcast<f32>(plane.x) - dot(normal, crossing - ray.origin);
+    let reach = clamp(offset / select(slope, 1e-6, abs(slope) < 1e-6), 0.0, 1e6);
+    return Seen(crossing + reach * behind.direction, normal, shading_normal, f32(plane.w) - 1.0);
+}

@@ -1,0 +1,29 @@
+// What a pixel shows that looks through the water.
+//
+// needs: geometry/ray, geometry/hit, screen/target
+// slots: meet, deflect, intersect
+
+// What stands before the water, with reversed depth.
+var front_depth: texture_depth_2d;
+
+struct Redirected {
+    ray: Ray,
+    hit: Hit,
+    // Whether water is seen here, and whether anything of this pass is.
+    wet: bool,
+    kept: bool,
+}
+
+// The pixel's ray meets the water, is deflected, and meets something behind.
+fn redirected(pixel: vec2f) -> Redirected {
+    let ray = view_ray(view_target, pixel);
+    let depth = textureLoad(front_depth, vec2i(pixel), 0);
+    let met = meet(ray);
+    let wet = met.found && view_is_nearer(view_target, met.point, depth);
+    if !wet {
+        return Redirected(ray, no_hit(ray, pixel), false, depth == 0.0);
+    }
+    let behind = deflect(Ray(met.point, ray.direction), met.normal);
+    let texel = pixel + 0.5 * (view_target.seen_size - view_target.size);
+    return Redirected(behind.ray, intersect(behind.ray, texel), true, true);
+}
