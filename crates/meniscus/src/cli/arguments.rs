@@ -247,9 +247,8 @@ pub(crate) fn key_value<'a>(option: &str, text: &'a str) -> Result<(&'a str, &'a
     text.split_once('=')
         .filter(|(key, _)| !key.trim().is_empty())
         .ok_or_else(|| {
-            Diagnostic::error(format!("`{option} {text}`: KEY=VALUE is wanted")).with_help(format!(
-                "for example {option} narrow.deflect=optics/refracted_ray"
-            ))
+            Diagnostic::error(format!("`{option} {text}`: KEY=VALUE is wanted"))
+                .with_help(format!("for example {option} PASS.SLOT=FOLDER/MODULE"))
         })
 }
 
