@@ -1,7 +1,6 @@
 // What engines do for refraction: the camera's ray goes on, sheared by the tilt of the water's
-// normal. For a small tilt and a look straight down, `strength` 1 − 1/n ≈ 0.25 is how far waves turn
-// the ray; flat water does not bend it at all. World space; the direction's part along the camera's
-// ray keeps its length, so that it is no unit vector.
+// normal. `strength` 1 − 1/n, about 0.25, is how far waves turn a ray that looks straight down; flat
+// water does not bend it at all. World space, unit directions.
 //
 // provides: deflect
 // needs: geometry/ray, optics/deflected
@@ -10,6 +9,9 @@
 override strength: f32 = 0.25;
 
 fn deflect(incident: Ray, normal: vec3f) -> Deflected {
-    let shear = -strength * vec3f(normal.xy, 0.0) / max(normal.z, 1e-3);
-    return Deflected(Ray(incident.origin, incident.direction + shear), false);
+    let shear = strength * vec3f(normal.xy, 0.0) / max(normal.z, 1e-3);
+    let sheared = incident.direction - shear;
+    let size = length(sheared);
+    let direction = select(incident.direction, sheared / max(size, 1e-6), size > 1e-6);
+    return Deflected(Ray(incident.origin, direction), false);
 }
