@@ -18,7 +18,7 @@ pub(crate) enum File {
 }
 
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(rename = "Pipeline", deny_unknown_fields)]
 pub(crate) struct PipelineFile {
     pub about: String,
     #[serde(default)]
@@ -31,7 +31,7 @@ pub(crate) struct PipelineFile {
 }
 
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(rename = "Variant", deny_unknown_fields)]
 pub(crate) struct VariantFile {
     pub of: Spanned<String>,
     pub about: String,
@@ -39,14 +39,14 @@ pub(crate) struct VariantFile {
 }
 
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(rename = "texture", deny_unknown_fields)]
 pub(crate) struct TextureFile {
     pub format: Format,
     pub size: Size,
 }
 
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(rename = "buffer", deny_unknown_fields)]
 pub(crate) struct BufferFile {
     #[serde(default)]
     pub bytes: u32,
@@ -59,7 +59,7 @@ pub(crate) struct BufferFile {
 }
 
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(rename = "output", deny_unknown_fields)]
 pub(crate) struct OutputFile {
     pub colour: Spanned<String>,
 }
@@ -74,7 +74,7 @@ pub(crate) enum Step {
 }
 
 #[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(rename = "Draw", deny_unknown_fields)]
 pub(crate) struct DrawFile {
     pub name: Spanned<String>,
     pub skeleton: Spanned<String>,
@@ -89,7 +89,7 @@ pub(crate) struct DrawFile {
 }
 
 #[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(rename = "Screen", deny_unknown_fields)]
 pub(crate) struct ScreenFile {
     pub name: Spanned<String>,
     pub skeleton: Spanned<String>,
@@ -107,7 +107,7 @@ pub(crate) struct ScreenFile {
 }
 
 #[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(rename = "Compute", deny_unknown_fields)]
 pub(crate) struct ComputeFile {
     pub name: Spanned<String>,
     pub skeleton: Spanned<String>,
@@ -121,7 +121,7 @@ pub(crate) struct ComputeFile {
 }
 
 #[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(rename = "Repeat", deny_unknown_fields)]
 pub(crate) struct RepeatFile {
     pub times: Spanned<u32>,
     pub sequence: Vec<Step>,

@@ -36,7 +36,7 @@ pub const VIEW: Members = &[
 /// `level`: z of the rest plane. `refractive_index`: of the water relative to the air.
 /// `relative_index`: of the far side relative to the camera's side. `camera_side`: 1 with the eye
 /// above the rest plane or on it, −1 below. `height_bound`, `slope_bound`: what the wave sum
-/// cannot exceed. `root_high` + `root_low`: √(N² − 1), N being the larger of the index and its
+/// cannot exceed, and `curvature_bound` (1/m) what its second derivatives cannot. `root_high` + `root_low`: √(N² − 1), N being the larger of the index and its
 /// inverse, as a sum of two floats; `larger_index`: N.
 pub const WATER: Members = &[
     ("level", ValueType::F32),
@@ -45,6 +45,7 @@ pub const WATER: Members = &[
     ("camera_side", ValueType::F32),
     ("height_bound", ValueType::F32),
     ("slope_bound", ValueType::F32),
+    ("curvature_bound", ValueType::F32),
     ("larger_index", ValueType::F32),
     ("root_high", ValueType::F32),
     ("root_low", ValueType::F32),
@@ -65,17 +66,18 @@ pub const LIGHT: Members = &[
 ///
 /// There are three and should not be more: with a fourth in one shader, Mesa 22.3's software driver
 /// writes outside its memory while it looks for uniforms to inline, and crashes.
-pub const BLOCKS: &[(&str, Members)] = &[
-    ("view_target", VIEW),
-    ("water", WATER),
-    ("light", LIGHT),
-];
+pub const BLOCKS: &[(&str, Members)] = &[("view_target", VIEW), ("water", WATER), ("light", LIGHT)];
 
 /// Read-only storage arrays by the variable's name, with the members of an element.
 ///
 /// `waves`: the terms of the sum, `phase` with the time's part in it, in [0, 2π); at least one.
 /// `materials`: `line_width` 0 where there is no pattern.
-/// `triangles`: corners in world space, `edge_*` from `corner`; in the order of the scene's mesh.
+/// `triangles`: `first`, `second`, `third` corner in world space, counter-clockwise as seen from
+/// outside; the shading normals there as `pack2x16snorm` of the octahedral map; in the order of the
+/// leaves of `bvh_nodes`; at least one, of no area where the scene has none.
+/// `bvh_nodes`: boxes, the root first. With a `count` of 0, `first` is the first of two children,
+/// which stand side by side; else a leaf has so many triangles (1 to 4), from `first`. No leaf is
+/// deeper than [`BVH_DEPTH`] under the root.
 pub const ARRAYS: &[(&str, Members)] = &[
     (
         "waves",
@@ -96,7 +98,31 @@ pub const ARRAYS: &[(&str, Members)] = &[
         ],
     ),
     ("objects", &[("material", ValueType::U32)]),
+    (
+        "triangles",
+        &[
+            ("first", ValueType::Vec3),
+            ("second", ValueType::Vec3),
+            ("third", ValueType::Vec3),
+            ("first_normal", ValueType::U32),
+            ("second_normal", ValueType::U32),
+            ("third_normal", ValueType::U32),
+            ("object", ValueType::U32),
+        ],
+    ),
+    (
+        "bvh_nodes",
+        &[
+            ("low", ValueType::Vec3),
+            ("high", ValueType::Vec3),
+            ("first", ValueType::U32),
+            ("count", ValueType::U32),
+        ],
+    ),
 ];
+
+/// The most steps from the root of `bvh_nodes` to a leaf: the entries that a stack must have.
+pub const BVH_DEPTH: usize = 32;
 
 /// Vertex attributes. `geometric_normal`, `object` and `material` belong to the triangle and are
 /// carried by its first vertex: `@interpolate(flat, first)`.

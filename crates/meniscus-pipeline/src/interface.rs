@@ -2,9 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use meniscus_shader::{Binding, BindingKind, Entry, Library, Sample, Shader};
-use meniscus_source::Diagnostic;
+use meniscus_shader::{Binding, BindingKind, Entry, Sample, Shader};
 use meniscus_source::ron::Spanned;
+use meniscus_source::{Diagnostic, Place};
 use naga::{ScalarKind, TypeInner, VectorSize};
 
 use crate::host::{self, Members, ValueType};
@@ -88,15 +88,18 @@ pub(crate) fn about(pass: &Pass, message: String) -> Diagnostic {
     }
 }
 
+/// Where a shader's variable is declared.
+pub(crate) type Declared<'d> = &'d dyn Fn(&str) -> Option<Place>;
+
 /// A message about a resource that a pass reads: where the pass is, and where it is declared.
 fn about_resource(
     pass: &Pass,
     binding: &Binding,
-    library: &Library,
+    declared: Declared,
     message: String,
 ) -> Diagnostic {
     let diagnostic = about(pass, message);
-    match library.declaration(&binding.variable) {
+    match declared(&binding.variable) {
         Some(place) => diagnostic.see(&place, "declared here"),
         None => diagnostic,
     }
@@ -109,10 +112,10 @@ pub(crate) fn check_binding(
     shader: &Shader,
     pipeline: &Pipeline,
     texture: Option<&Texture>,
-    library: &Library,
+    declared: Declared,
 ) -> Option<Diagnostic> {
     let name = &binding.resource;
-    let wrong = |message: String| Some(about_resource(pass, binding, library, message));
+    let wrong = |message: String| Some(about_resource(pass, binding, declared, message));
     match binding.kind {
         BindingKind::Uniform(ty) => match host::BLOCKS.iter().find(|(block, _)| block == name) {
             Some((_, members)) => check_members(&shader.module, ty, members)
@@ -120,7 +123,7 @@ pub(crate) fn check_binding(
             None => unknown(
                 pass,
                 binding,
-                library,
+                declared,
                 "uniform block",
                 host::BLOCKS.iter().map(|(b, _)| *b),
             ),
@@ -136,7 +139,7 @@ pub(crate) fn check_binding(
                 return unknown(
                     pass,
                     binding,
-                    library,
+                    declared,
                     "buffer",
                     own.chain(host::ARRAYS.iter().map(|(a, _)| *a)),
                 );
@@ -157,23 +160,39 @@ pub(crate) fn check_binding(
                 unknown(
                     pass,
                     binding,
-                    library,
+                    declared,
                     "sampler",
                     host::SAMPLERS.iter().copied(),
                 )
             })
             .flatten(),
-        BindingKind::StorageTexture { format: written, dimension, .. } => {
+        BindingKind::StorageTexture {
+            format: written,
+            dimension,
+            ..
+        } => {
             let Some(texture) = texture else {
-                return unknown(pass, binding, library, "texture", pipeline.textures.keys().map(String::as_str));
+                return unknown(
+                    pass,
+                    binding,
+                    declared,
+                    "texture",
+                    pipeline.textures.keys().map(String::as_str),
+                );
             };
             if dimension != naga::ImageDimension::D2 {
                 return wrong(format!("`{name}` is a two-dimensional texture"));
             }
             if texture.format.storage_format() != Some(written) {
                 let name_of = texture.format.storage_name();
-                return wrong(format!("`{name}` has the format {:?}, and {written:?} is written to it", texture.format)).map(|d| match name_of {
-                    Some(format) => d.with_help(format!("declare it as `texture_storage_2d<{format}, write>`")),
+                return wrong(format!(
+                    "`{name}` has the format {:?}, and {written:?} is written to it",
+                    texture.format
+                ))
+                .map(|d| match name_of {
+                    Some(format) => d.with_help(format!(
+                        "declare it as `texture_storage_2d<{format}, write>`"
+                    )),
                     None => d.with_help("give the texture another format"),
                 });
             }
@@ -188,7 +207,7 @@ pub(crate) fn check_binding(
                 return unknown(
                     pass,
                     binding,
-                    library,
+                    declared,
                     "texture",
                     pipeline.textures.keys().map(String::as_str),
                 );
@@ -226,7 +245,7 @@ fn declaration(format: Format) -> &'static str {
 fn unknown<'a>(
     pass: &Pass,
     binding: &Binding,
-    library: &Library,
+    declared: Declared,
     kind: &str,
     known: impl IntoIterator<Item = &'a str>,
 ) -> Option<Diagnostic> {
@@ -235,7 +254,7 @@ fn unknown<'a>(
         "`{}` reads `{name}`, and there is no such {kind}",
         pass.name.value
     );
-    Some(about_resource(pass, binding, library, message).with_suggestion(name, known))
+    Some(about_resource(pass, binding, declared, message).with_suggestion(name, known))
 }
 
 /// What is wrong with a struct whose members the host is to write.
@@ -374,12 +393,17 @@ pub(crate) fn check_target(
         _ => return None,
     };
     let (wanted, wanted_unsigned) = format.channels();
-    let wanted_kind = if wanted_unsigned { ScalarKind::Uint } else { ScalarKind::Float };
+    let wanted_kind = if wanted_unsigned {
+        ScalarKind::Uint
+    } else {
+        ScalarKind::Float
+    };
     (channels < wanted || kind != wanted_kind).then(|| {
         about(
             pass,
-            format!("the output `{output}` does not fit the format {format:?} of its texture: that has {wanted} {} channels",
-                if wanted_unsigned { "unsigned" } else { "floating-point" }),
+            format!("the output `{output}` does not fit the format {format:?} of its texture: that has {wanted} {}{}",
+                if wanted_unsigned { "unsigned integer" } else { "floating-point number" },
+                if wanted == 1 { "" } else { "s" }),
         )
     })
 }
@@ -406,21 +430,38 @@ pub(crate) fn check_targets(
             }
         };
         if !seen.insert(&texture.value) {
-            wrong.push(at(format!("`{}` writes `{}` twice", pass.name.value, texture.value), "again here"));
+            wrong.push(at(
+                format!("`{}` writes `{}` twice", pass.name.value, texture.value),
+                "again here",
+            ));
         }
-        let Some(format) = textures.get(&texture.value).map(|t| t.format) else { continue };
+        let Some(format) = textures.get(&texture.value).map(|t| t.format) else {
+            continue;
+        };
         if format == Format::Depth32Float {
             wrong.push(
-                at(format!("the output `{}` cannot be written to the depth texture `{}`", output.value, texture.value), "a depth texture")
-                    .with_help("write `depth` to it, or give it another format"),
+                at(
+                    format!(
+                        "the output `{}` cannot be written to the depth texture `{}`",
+                        output.value, texture.value
+                    ),
+                    "a depth texture",
+                )
+                .with_help("write `depth` to it, or give it another format"),
             );
         }
         bytes += format.target_bytes();
     }
     if matches!(shader.entry, Entry::Render { .. }) && bytes > MAX_TARGET_BYTES {
         wrong.push(
-            about(pass, format!("`{}` writes {bytes} bytes a sample; {MAX_TARGET_BYTES} are allowed", pass.name.value))
-                .with_help("take smaller formats, or split the pass"),
+            about(
+                pass,
+                format!(
+                    "`{}` writes {bytes} bytes a sample; {MAX_TARGET_BYTES} are allowed",
+                    pass.name.value
+                ),
+            )
+            .with_help("take smaller formats, or split the pass"),
         );
     }
     wrong

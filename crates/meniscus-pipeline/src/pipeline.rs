@@ -209,7 +209,9 @@ fn build(name: &str, read: PipelineFile) -> Result<Pipeline, Report> {
 fn count(steps: &[Step]) -> usize {
     let one = |step: &Step| match step {
         // An empty repetition costs time, too.
-        Step::Repeat(repeat) => (repeat.times.value as usize).saturating_mul(count(&repeat.sequence)).max(1),
+        Step::Repeat(repeat) => (repeat.times.value as usize)
+            .saturating_mul(count(&repeat.sequence))
+            .max(1),
         _ => 1,
     };
     steps.iter().map(one).fold(0, usize::saturating_add).max(1)
@@ -248,7 +250,9 @@ fn add_steps(passes: &mut Vec<Pass>, steps: Vec<Step>, suffix: &str, report: &mu
             ),
             Step::Repeat(repeat) => {
                 let times = repeat.times.value as usize;
-                let all = times.saturating_mul(count(&repeat.sequence)).saturating_add(passes.len());
+                let all = times
+                    .saturating_mul(count(&repeat.sequence))
+                    .saturating_add(passes.len());
                 if times == 0 || all > MAX_PASSES {
                     let wrong = Diagnostic::error(format!(
                         "a pipeline has 1 to {MAX_PASSES} passes, repetitions counted"
@@ -272,7 +276,9 @@ fn add_steps(passes: &mut Vec<Pass>, steps: Vec<Step>, suffix: &str, report: &mu
         };
         let (mut name, over, skeleton, when, slots, reads, writes) = pass;
         if passes.len() >= MAX_PASSES {
-            let many = Diagnostic::error(format!("a pipeline has 1 to {MAX_PASSES} passes, repetitions counted"));
+            let many = Diagnostic::error(format!(
+                "a pipeline has 1 to {MAX_PASSES} passes, repetitions counted"
+            ));
             report.add(match &name.place {
                 Some(place) => many.at(place, "one too many"),
                 None => many,
@@ -282,8 +288,11 @@ fn add_steps(passes: &mut Vec<Pass>, steps: Vec<Step>, suffix: &str, report: &mu
         name.value.push_str(suffix);
         if let Some(first) = passes.iter().find(|p| p.name.value == name.value) {
             let mut twice = Diagnostic::error(format!("two passes are called `{}`", name.value));
-            for place in [&name.place, &first.name.place].into_iter().flatten() {
-                twice = twice.at(place, "");
+            if let (Some(second), Some(first)) = (&name.place, &first.name.place) {
+                twice = twice
+                    .at(second, "the second")
+                    .see(first, "the first")
+                    .with_help("give it another name");
             }
             report.add(twice);
         }

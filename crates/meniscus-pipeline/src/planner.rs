@@ -136,6 +136,14 @@ impl Planner<'_> {
             .collect();
         if let Err(wrong) = self.plan(pass, pass.name.value.clone(), outputs, depth.as_ref()) {
             self.report.extend(wrong);
+            // Once it is mended it writes these: who reads them is not to blame.
+            self.written.extend(
+                writes
+                    .iter()
+                    .map(|(_, t)| t)
+                    .chain(&depth)
+                    .map(|t| t.value.clone()),
+            );
         }
         let Some((output, texture)) = writes
             .iter()
@@ -210,15 +218,25 @@ impl Planner<'_> {
             for (_, texture) in &outputs {
                 let format = self.declared(texture)?.format;
                 if format.storage_name().is_none() {
-                    return Err(about(pass, format!("no compute shader writes the format {format:?} of `{}`", texture.value))
-                        .with_help("run it as `Fragment`, or give the texture another format")
-                        .into());
+                    return Err(about(
+                        pass,
+                        format!(
+                            "no compute shader writes the format {format:?} of `{}`",
+                            texture.value
+                        ),
+                    )
+                    .with_help("run it as `Fragment`, or give the texture another format")
+                    .into());
                 }
             }
         }
         let recipe = Recipe {
             skeleton: pass.skeleton.clone(),
-            slots: pass.slots.iter().map(|(slot, filling)| (slot.clone(), with_twins(filling))).collect(),
+            slots: pass
+                .slots
+                .iter()
+                .map(|(slot, filling)| (slot.clone(), with_twins(filling)))
+                .collect(),
             reads: self.reads(pass, &outputs),
             outputs: outputs
                 .iter()
@@ -237,7 +255,7 @@ impl Planner<'_> {
             stage,
         };
         let shader = self.composer.compose(&recipe)?;
-        self.check(pass, &shader, &outputs, depth)?;
+        self.check(pass, &recipe, &shader, &outputs, depth)?;
         let kind = self.kind(pass, depth)?;
         let guarded = |name: &str| {
             self.textures
@@ -312,14 +330,23 @@ impl Planner<'_> {
         };
         let indirect = |name: &Spanned<String>| {
             let found = buffer(name)?;
-            if self.pipeline.buffers.get(&found).is_some_and(|b| b.value.indirect) {
+            if self
+                .pipeline
+                .buffers
+                .get(&found)
+                .is_some_and(|b| b.value.indirect)
+            {
                 return Ok(found);
             }
-            let mut wrong = Diagnostic::error(format!("the buffer `{found}` holds no arguments of a dispatch"));
+            let mut wrong = Diagnostic::error(format!(
+                "the buffer `{found}` holds no arguments of a dispatch"
+            ));
             if let Some(place) = &name.place {
                 wrong = wrong.at(place, "used as arguments");
             }
-            Err(Report::from(wrong.with_help("declare it with `indirect: true`")))
+            Err(Report::from(
+                wrong.with_help("declare it with `indirect: true`"),
+            ))
         };
         if depth.is_some() && !matches!(pass.over, PassOver::Draw(_)) {
             return Err(about(pass, "only a Draw writes depth".into()).into());
@@ -344,7 +371,11 @@ impl Planner<'_> {
             PassOver::Compute(Dispatch::Pixels(of)) => PassKind::Dispatch(*of),
             PassOver::Compute(Dispatch::Fixed(x, y, z)) => {
                 if [x, y, z].into_iter().any(|n| !(1..=MAX_GROUPS).contains(n)) {
-                    return Err(about(pass, format!("a dispatch has 1 to {MAX_GROUPS} workgroups along each axis")).into());
+                    return Err(about(
+                        pass,
+                        format!("a dispatch has 1 to {MAX_GROUPS} workgroups along each axis"),
+                    )
+                    .into());
                 }
                 PassKind::DispatchFixed([*x, *y, *z])
             }
@@ -383,17 +414,19 @@ impl Planner<'_> {
     fn check(
         &mut self,
         pass: &Pass,
+        recipe: &Recipe,
         shader: &Shader,
         outputs: &[(Spanned<String>, Spanned<String>)],
         depth: Option<&Spanned<String>>,
     ) -> Result<(), Report> {
         let mut report = Report::default();
-        let library = self.composer.library();
+        let composer = self.composer;
+        let declared = |variable: &str| composer.declaration(recipe, variable);
         for binding in &shader.bindings {
             let name = &binding.resource;
             let texture = self.textures.get(name);
             if let Some(wrong) =
-                interface::check_binding(pass, binding, shader, self.pipeline, texture, library)
+                interface::check_binding(pass, binding, shader, self.pipeline, texture, &declared)
             {
                 report.add(wrong);
                 continue;
@@ -437,12 +470,18 @@ impl Planner<'_> {
         }
         for (variable, resource) in &pass.reads {
             let known = |binding: &Binding| binding.variable == *variable;
-            if !shader.bindings.iter().any(known) && library.declaration(variable).is_none() {
-                let mut unknown = Diagnostic::error(format!("`{}` reads no `{variable}`", pass.name.value));
+            if !shader.bindings.iter().any(known)
+                && composer.library().declaration(variable).is_none()
+            {
+                let mut unknown =
+                    Diagnostic::error(format!("`{}` reads no `{variable}`", pass.name.value));
                 if let Some(place) = &resource.place {
                     unknown = unknown.at(place, "connected to nothing");
                 }
-                report.add(unknown.with_suggestion(variable, shader.bindings.iter().map(|b| b.variable.as_str())));
+                report.add(unknown.with_suggestion(
+                    variable,
+                    shader.bindings.iter().map(|b| b.variable.as_str()),
+                ));
             }
         }
         for (location, (output, texture)) in outputs.iter().enumerate() {
@@ -481,7 +520,10 @@ fn with_twins(filling: &Filling) -> Filling {
     for (variable, resource) in &filling.reads {
         // Without a place: whether anything asks for it is not the writer's concern.
         let twin = Spanned::unplaced(format!("{}{SHOWN}", resource.value));
-        twinned.reads.entry(format!("{SHOWN_OF}{variable}")).or_insert(twin);
+        twinned
+            .reads
+            .entry(format!("{SHOWN_OF}{variable}"))
+            .or_insert(twin);
     }
     for inner in twinned.slots.values_mut() {
         *inner = with_twins(inner);

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use meniscus_source::ron::Spanned;
-use meniscus_source::{Diagnostic, Report, Severity};
+use meniscus_source::{Diagnostic, Place, Report, Severity};
 
 use crate::filling::Filling;
 use crate::library::{Library, Module, Role};
@@ -150,6 +150,12 @@ impl Composer {
         self.resolve(skeleton, recipe)
             .map(|instances| instances.unused)
             .unwrap_or_default()
+    }
+
+    /// Where a variable of a recipe's shader, by its name there, is declared; none for those that
+    /// the entry points declare.
+    pub fn declaration(&self, recipe: &Recipe, variable: &str) -> Option<Place> {
+        self.write(recipe).ok()?.declarations.remove(variable)
     }
 
     fn resolve<'l>(

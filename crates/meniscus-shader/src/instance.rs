@@ -293,8 +293,13 @@ impl<'l, 'r> Resolver<'l, 'r> {
         self.defaulting.push(slot.path.clone());
         // Mostly there is one default of a slot; it has the slot's name.
         let leaf = slot.leaf().to_owned();
-        let first = !self.scopes[0].fillings.contains_key(&leaf) && !self.defaults.keys().any(|(path, _)| *path == slot.path);
-        let mut role = if first { Vec::new() } else { self.scopes[scope].role.clone() };
+        let first = !self.scopes[0].fillings.contains_key(&leaf)
+            && !self.defaults.keys().any(|(path, _)| *path == slot.path);
+        let mut role = if first {
+            Vec::new()
+        } else {
+            self.scopes[scope].role.clone()
+        };
         role.push(leaf);
         let instance = self.instance(module, Some(slot), role, scope, Asked::ByDefault);
         self.check_requirements(instance, scope);
@@ -432,7 +437,8 @@ impl<'l, 'r> Resolver<'l, 'r> {
             match self.library.find(&need.text, Some(&need.place)) {
                 Ok(needed) if needed.role() == Role::Shared => {
                     if self.enter(need) {
-                        let instance = self.instance(needed, None, Vec::new(), scope, Asked::ByDefault);
+                        let instance =
+                            self.instance(needed, None, Vec::new(), scope, Asked::ByDefault);
                         self.depth -= 1;
                         self.needed.insert(key, instance);
                         found.push(instance);

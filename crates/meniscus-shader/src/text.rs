@@ -95,6 +95,8 @@ pub(crate) struct Written {
     pub source: Source,
     /// The resource that each variable is connected to.
     pub resources: BTreeMap<String, String>,
+    /// Where each variable is declared.
+    pub declarations: BTreeMap<String, Place>,
     /// The `override` of each number, by the number's path.
     pub overrides: BTreeMap<String, String>,
     /// For each name that was changed, what was written.
@@ -185,6 +187,7 @@ fn concatenate(instances: &Instances, open: Option<Vec<String>>) -> Result<Writt
 
     // The entry points' own variables are connected like everything that is shared.
     let mut resources = instances.reads.clone();
+    let mut declarations = BTreeMap::new();
     let mut overrides = BTreeMap::new();
     let mut originals = BTreeMap::new();
     for (instance, names) in instances.all.iter().zip(&names) {
@@ -192,6 +195,10 @@ fn concatenate(instances: &Instances, open: Option<Vec<String>>) -> Result<Writt
             let shared = instances.reads.get(name).map_or(name, String::as_str);
             let resource = instance.reads.get(name).map_or(shared, String::as_str);
             resources.insert(names[name].clone(), resource.to_owned());
+            if let Some(item) = instance.module.item(name) {
+                let place = instance.module.place(item.name_range.clone());
+                declarations.entry(names[name].clone()).or_insert(place);
+            }
         }
         for number in instance.module.overrides() {
             let path = match instance.role.is_empty() {
@@ -220,6 +227,7 @@ fn concatenate(instances: &Instances, open: Option<Vec<String>>) -> Result<Writt
     Ok(Written {
         source,
         resources,
+        declarations,
         overrides,
         originals,
         entry: crate::shader::Entry::Compute {

@@ -101,7 +101,11 @@ impl Diagnostic {
             Some(near) => self.with_help(format!("did you mean `{near}`?")),
             None if candidates.is_empty() => self,
             None => {
-                let shown: Vec<String> = candidates.iter().take(24).map(|c| format!("`{c}`")).collect();
+                let shown: Vec<String> = candidates
+                    .iter()
+                    .take(24)
+                    .map(|c| format!("`{c}`"))
+                    .collect();
                 let more = if candidates.len() > 24 { ", …" } else { "" };
                 self.with_help(format!("there is {}{more}", shown.join(", ")))
             }
@@ -141,7 +145,12 @@ impl Diagnostic {
         let message = codespan::Diagnostic::new(severity)
             .with_message(self.message.clone())
             .with_labels(labels)
-            .with_notes(self.help.iter().map(|help| format!("help: {help}")).collect());
+            .with_notes(
+                self.help
+                    .iter()
+                    .map(|help| format!("help: {help}"))
+                    .collect(),
+            );
         term::emit_into_string(&term::Config::default(), &files, &message)
             // Only a range outside its file could fail, and those are clamped above.
             .unwrap_or_else(|_| format!("error: {}\n", self.message))
@@ -220,7 +229,9 @@ mod tests {
     #[test]
     fn a_range_outside_the_file_is_clamped() {
         let file = SourceFile::new("a", "é");
-        let text = Diagnostic::error("x").at(&Place::new(&file, 7..900), "y").render();
+        let text = Diagnostic::error("x")
+            .at(&Place::new(&file, 7..900), "y")
+            .render();
         assert!(text.contains("a:1:"), "{text}");
     }
 }

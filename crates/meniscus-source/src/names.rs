@@ -17,14 +17,15 @@ pub fn did_you_mean<'a>(
     let length = name.chars().count();
     for candidate in candidates {
         let other = candidate.chars().count();
-        let right_leaf = !name.is_empty() && leaf(candidate) == name.rsplit('/').next().unwrap_or("");
+        let right_leaf =
+            !name.is_empty() && leaf(candidate) == name.rsplit('/').next().unwrap_or("");
         // The distance is at least the difference of the lengths; computing it takes their product.
         let hopeless = length.abs_diff(other) as f64 > NEAR * length.max(other) as f64;
         if length > LONGEST || (hopeless && !right_leaf) {
             continue;
         }
-        let whole = strsim::damerau_levenshtein(name, candidate) as f64
-            / length.max(other).max(1) as f64;
+        let whole =
+            strsim::damerau_levenshtein(name, candidate) as f64 / length.max(other).max(1) as f64;
         // A right name in the wrong folder is as good as a small slip.
         let moved = if right_leaf { 0.1 } else { 1.0 };
         let distance = whole.min(moved);

@@ -43,7 +43,35 @@ struct Reading {
     /// The address of the text that ron was given; values borrow from it.
     base: usize,
     /// The first fault met inside a spanned value, which is more exact than what ron reports.
-    fault: Option<(Range<usize>, String)>,
+    fault: Option<Fault>,
+}
+
+/// What is wrong, where in the file, and what is there to be meant instead.
+struct Fault {
+    range: Range<usize>,
+    message: String,
+    found: String,
+    known: Vec<&'static str>,
+}
+
+impl Fault {
+    fn of(range: Range<usize>, error: &ron::Error) -> Self {
+        let (found, known) = match error {
+            ron::Error::NoSuchStructField {
+                expected, found, ..
+            }
+            | ron::Error::NoSuchEnumVariant {
+                expected, found, ..
+            } => (found.clone(), expected.to_vec()),
+            _ => (String::new(), Vec::new()),
+        };
+        Self {
+            range,
+            message: describe(error),
+            found,
+            known,
+        }
+    }
 }
 
 thread_local! {
@@ -59,23 +87,26 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Spanned<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let raw: &'de RawValue = Deserialize::deserialize(deserializer)?;
         let text = raw.get_ron();
-        let (file, start) = READING.with_borrow(|reading| {
-            let reading = reading.as_ref()?;
-            let start = (text.as_ptr() as usize).checked_sub(reading.base)?;
-            (start + text.len() <= reading.file.text.len()).then(|| (reading.file.clone(), start))
-        })
-        .ok_or_else(|| D::Error::custom("a spanned value can only be read from a source file"))?;
+        let (file, start) = READING
+            .with_borrow(|reading| {
+                let reading = reading.as_ref()?;
+                let start = (text.as_ptr() as usize).checked_sub(reading.base)?;
+                (start + text.len() <= reading.file.text.len())
+                    .then(|| (reading.file.clone(), start))
+            })
+            .ok_or_else(|| {
+                D::Error::custom("a spanned value can only be read from a source file")
+            })?;
         let value = options().from_str::<T>(text).map_err(|error| {
             let at = range_of(text, &error.span);
-            let message = describe(&error.code);
             READING.with_borrow_mut(|reading| {
                 if let Some(reading) = reading {
-                    reading
-                        .fault
-                        .get_or_insert((start + at.start..start + at.end, message.clone()));
+                    reading.fault.get_or_insert_with(|| {
+                        Fault::of(start + at.start..start + at.end, &error.code)
+                    });
                 }
             });
-            D::Error::custom(message)
+            D::Error::custom(describe(&error.code))
         })?;
         Ok(Self {
             value,
@@ -136,7 +167,12 @@ pub fn fault<T, E: serde::de::Error>(value: &Spanned<T>, message: impl Into<Stri
     if let Some(place) = &value.place {
         READING.with_borrow_mut(|reading| {
             if let Some(reading) = reading {
-                reading.fault.get_or_insert((place.range.clone(), message.clone()));
+                reading.fault.get_or_insert_with(|| Fault {
+                    range: place.range.clone(),
+                    message: message.clone(),
+                    found: String::new(),
+                    known: Vec::new(),
+                });
             }
         });
     }
@@ -157,14 +193,12 @@ pub fn from_source<T: DeserializeOwned>(file: &Arc<SourceFile>) -> Result<T, Rep
     let result = options().from_str::<T>(&file.text);
     let fault = READING.replace(outer).and_then(|reading| reading.fault);
     result.map_err(|error| {
-        let (range, message) =
-            fault.unwrap_or_else(|| (range_of(&file.text, &error.span), describe(&error.code)));
-        let mut diagnostic =
-            Diagnostic::error(message).at(&Place::new(file, range), "");
-        if let ron::Error::NoSuchStructField { expected, found, .. } = &error.code {
-            diagnostic = diagnostic.with_suggestion(found, expected.iter().copied());
-        }
-        diagnostic.into()
+        let fault =
+            fault.unwrap_or_else(|| Fault::of(range_of(&file.text, &error.span), &error.code));
+        Diagnostic::error(fault.message)
+            .at(&Place::new(file, fault.range), "")
+            .with_suggestion(&fault.found, fault.known)
+            .into()
     })
 }
 
@@ -181,6 +215,18 @@ fn range_of(text: &str, span: &ron::error::Span) -> Range<usize> {
 fn describe(error: &ron::Error) -> String {
     match error {
         ron::Error::Message(message) => message.clone(),
+        ron::Error::NoSuchStructField { found, outer, .. } => match outer {
+            Some(outer) => format!("`{outer}` has no field `{found}`"),
+            None => format!("there is no field `{found}` here"),
+        },
+        ron::Error::NoSuchEnumVariant { found, outer, .. } => match outer {
+            Some(outer) => format!("`{found}` is no {outer}"),
+            None => format!("there is no `{found}` here"),
+        },
+        ron::Error::MissingStructField { field, outer } => match outer {
+            Some(outer) => format!("`{outer}` lacks the field `{field}`"),
+            None => format!("the field `{field}` is missing"),
+        },
         ron::Error::ExpectedFloat => "a number is expected here".into(),
         other => other.to_string(),
     }
@@ -226,8 +272,16 @@ mod tests {
     fn faults_are_placed_where_they_are() {
         for (text, place, words) in [
             ("(name: \"a\",\n inner: (sise: 2))", "t.ron:2:", "sise"),
-            ("(name: \"a\",\n\n map: {\"k\": (size: 1), \"k\": (size: 1)})", "t.ron:3:24", "twice"),
-            ("(name: \"a\",\n inner: (size: true))", "t.ron:2:16", "number"),
+            (
+                "(name: \"a\",\n\n map: {\"k\": (size: 1), \"k\": (size: 1)})",
+                "t.ron:3:24",
+                "twice",
+            ),
+            (
+                "(name: \"a\",\n inner: (size: true))",
+                "t.ron:2:16",
+                "number",
+            ),
             ("(name: \"a\",\n inner (size: 1))", "t.ron:2:", ""),
             ("(nam: \"a\")", "t.ron:1:", "did you mean `name`?"),
             ("", "t.ron:1:1", ""),

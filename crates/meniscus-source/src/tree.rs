@@ -34,12 +34,17 @@ fn walk(
     let entries = match std::fs::read_dir(folder) {
         Ok(entries) => entries,
         Err(error) => {
-            report.add(Diagnostic::error(format!("cannot read the folder `{}`: {error}", folder.display())));
+            report.add(Diagnostic::error(format!(
+                "cannot read the folder `{}`: {error}",
+                folder.display()
+            )));
             return;
         }
     };
     for entry in entries.flatten() {
-        let Ok(kind) = entry.file_type() else { continue };
+        let Ok(kind) = entry.file_type() else {
+            continue;
+        };
         let name = entry.file_name().to_string_lossy().into_owned();
         if found.len() >= MAX_FILES {
             report.add(Diagnostic::error(format!(
@@ -49,7 +54,14 @@ fn walk(
             return;
         }
         if kind.is_dir() && depth < MAX_DEPTH {
-            walk(&entry.path(), &format!("{prefix}{name}/"), ending, depth + 1, found, report);
+            walk(
+                &entry.path(),
+                &format!("{prefix}{name}/"),
+                ending,
+                depth + 1,
+                found,
+                report,
+            );
         } else if kind.is_file()
             && let Some(stem) = name.strip_suffix(ending).and_then(|n| n.strip_suffix('.'))
         {
@@ -70,8 +82,13 @@ mod tests {
         let here = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
         let files = read_tree(here, "rs").unwrap();
         let names: Vec<_> = files.iter().map(|(name, _)| name.as_str()).collect();
-        assert!(names.contains(&"src/tree") && names.is_sorted(), "{names:?}");
-        let missing = read_tree(&here.join("nowhere"), "rs").unwrap_err().to_string();
+        assert!(
+            names.contains(&"src/tree") && names.is_sorted(),
+            "{names:?}"
+        );
+        let missing = read_tree(&here.join("nowhere"), "rs")
+            .unwrap_err()
+            .to_string();
         assert!(missing.contains("cannot read the folder"), "{missing}");
     }
 }
