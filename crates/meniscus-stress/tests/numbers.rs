@@ -162,6 +162,35 @@ fn intervals_enclose_double_double() {
 }
 
 #[test]
+fn each_operation_rounds_outward() {
+    let mut chance = Chance::new(6);
+    let mut wide =
+        || f64::from(chance.within(0.5, 2.0)) + 1e-9 * f64::from(chance.within(0.0, 1.0));
+    type Both<S> = fn(S, S) -> S;
+    let operations: [(&str, Both<Interval>, Both<DoubleDouble>); 6] = [
+        ("plus", Scalar::plus, Scalar::plus),
+        ("minus", Scalar::minus, Scalar::minus),
+        ("times", Scalar::times, Scalar::times),
+        ("over", Scalar::over, Scalar::over),
+        ("root", |a, _| a.root(), |a, _| a.root()),
+        ("fused", |a, b| a.fused(b, a), |a, b| a.fused(b, a)),
+    ];
+    for _ in 0..500 {
+        let (a, b) = (wide(), wide());
+        for (name, interval, exact) in operations {
+            let within = interval(Interval::from_f64(a), Interval::from_f64(b));
+            let x = exact(dd(a), dd(b));
+            let inside =
+                dd(within.low).minus(x).high <= 0.0 && x.minus(dd(within.high)).high <= 0.0;
+            assert!(
+                inside,
+                "{name} of {a:e}, {b:e}: {x:?} is outside {within:?}"
+            );
+        }
+    }
+}
+
+#[test]
 fn intervals_of_wide_arguments_enclose_every_point() {
     let mut chance = Chance::new(5);
     for text in FORMULAS {
