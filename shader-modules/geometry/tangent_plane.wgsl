@@ -1,15 +1,26 @@
 // Where a refracted ray meets the tangent plane of the surface seen near it.
 // Liu, Han, Fei 2020, narrow phase, eq. 3. World space, metres. A ray that runs along the plane, or
-// meets it behind its origin, is taken to meet the seen point itself. Where nothing is seen there
-// is no hit. The residual is the distance from the ray of what is seen where the hit appears, in
+// meets it behind its origin, is taken to meet the seen point itself. Where nothing is seen (a wave
+// that stands before the bank) the ray's own points are looked for, at doubling distances; if they
+// show nothing either there is no hit. The residual is the distance from the ray of what is seen where the hit appears, in
 // pixels: it tells the error without a reference, but not of a nearer surface that hides there.
 //
 // provides: intersect
 // needs: geometry/ray, geometry/hit, screen/seen_point, screen/residual
 // slots: reproject, seen
+// number probes: 0 to 8, step 1
+// number first_probe: 0.001 to 100 m, step 0.01
+
+override probes: i32 = 6;
+override first_probe: f32 = 0.1;
 
 fn intersect(ray: Ray, texel: vec2f) -> Hit {
-    let near = seen(texel);
+    var near = seen(texel);
+    var way = first_probe;
+    for (var i = 0; i < probes && near.object < 0.0; i++) {
+        near = seen(reproject(ray.origin + way * ray.direction));
+        way *= 2.0;
+    }
     if near.object < 0.0 {
         var nothing = no_hit(ray, texel);
         nothing.residual = UNKNOWN_RESIDUAL;

@@ -8,10 +8,10 @@
 // needs: geometry/ray, water/body, water/meeting, water/shape
 // slots: surface
 // number march_steps: 1 to 256, step 1
-// number newton_steps: 1 to 8, step 1
+// number newton_steps: 1 to 16, step 1
 
 override march_steps: i32 = 48;
-override newton_steps: i32 = 2;
+override newton_steps: i32 = 8;
 
 fn meet(ray: Ray) -> Meeting {
     // Heights are counted from the water towards the camera's side, so that one case is left.
@@ -32,16 +32,16 @@ fn meet(ray: Ray) -> Meeting {
         gap = side * (at.z - water.level - surface(at.xy).height);
         t += max(gap, 0.0) / quickest;
     }
-    for (var i = 0; i < newton_steps; i++) {
-        let at = ray.origin + t * ray.direction;
-        let shape = surface(at.xy);
-        gap = side * (at.z - water.level - shape.height);
+    var point = ray.origin + t * ray.direction;
+    var shape = surface(point.xy);
+    gap = side * (point.z - water.level - shape.height);
+    for (var i = 0; i < newton_steps && abs(gap) > 2e-6 * (1.0 + t); i++) {
         let rate = fall + side * dot(shape.gradient, ray.direction.xy);
         t = max(t + gap / select(quickest, rate, rate > 0.05 * quickest), 0.0);
+        point = ray.origin + t * ray.direction;
+        shape = surface(point.xy);
+        gap = side * (point.z - water.level - shape.height);
     }
-    let point = ray.origin + t * ray.direction;
-    let shape = surface(point.xy);
     // A ray that is not close to the waves in the end passed over them.
-    gap = side * (point.z - water.level - shape.height);
-    return Meeting(point, shape_normal(shape), abs(gap) < 1e-4 * t + 1e-5 && t < 1e9);
+    return Meeting(point, shape_normal(shape), abs(gap) < 1e-4 * (1.0 + t) && t < 1e9);
 }
