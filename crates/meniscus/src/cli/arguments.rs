@@ -70,6 +70,12 @@ pub(crate) enum Command {
     Render(Render),
     /// Render pipelines beside each other and beside ray-traced truth: time and error in one table.
     Ablate(Ablate),
+    /// Measure how far a picture is from another: PNG (sRGB) or EXR (linear).
+    ///
+    /// Ends with 0 when the measure is within the limit or none is given, with 1 beyond it, and with
+    /// 2 when the pictures cannot be compared.
+    #[command(after_help = super::compare::measures())]
+    Compare(Compare),
     /// List the graphics adapters of this machine.
     Adapters,
 }
@@ -193,6 +199,23 @@ pub(crate) struct Ablate {
     /// Write pictures, error maps, the figure of time against error, and the data to check them.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Compare {
+    /// The picture that is right.
+    pub reference: PathBuf,
+    /// The picture that is judged.
+    pub test: PathBuf,
+    /// The measure, of those listed below.
+    #[arg(long, value_name = "NAME", default_value = "flip")]
+    pub metric: String,
+    /// Write the error of each pixel as a picture in false colours.
+    #[arg(long, value_name = "FILE.png")]
+    pub map: Option<PathBuf>,
+    /// The worst value that is good enough.
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    pub limit: Option<f64>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

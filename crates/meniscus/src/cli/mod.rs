@@ -1,9 +1,10 @@
-//! Commands, their arguments, and how they end: 0 done, 1 the machine could not do it, 2 something
-//! that was written is wrong.
+//! Commands, their arguments, and how they end: 0 done, 1 the machine could not do it or pictures
+//! differ by more than they may, 2 something that was written is wrong.
 
 mod ablate;
 mod arguments;
 mod check;
+mod compare;
 mod list;
 mod outputs;
 mod progress;
@@ -25,6 +26,8 @@ pub(crate) enum Failure {
     Written(String),
     /// The machine could not do it.
     Machine(String),
+    /// It was done, and what was found is beyond a limit that was given.
+    Beyond(String),
 }
 
 impl From<Report> for Failure {
@@ -78,7 +81,7 @@ pub(crate) fn run() -> ExitCode {
             eprintln!("{message}");
             ExitCode::from(2)
         }
-        Err(Failure::Machine(message)) => {
+        Err(Failure::Machine(message) | Failure::Beyond(message)) => {
             eprintln!("{message}");
             ExitCode::from(1)
         }
@@ -93,6 +96,7 @@ fn execute(arguments: Arguments) -> Result<(), Failure> {
         Command::Compose(compose) => check::compose(&project, &compose),
         Command::Render(render) => render::run(&project, &render),
         Command::Ablate(ablate) => ablate::run(&project, &ablate),
+        Command::Compare(compare) => compare::run(&compare),
         Command::Adapters => adapters(),
     }
 }
