@@ -6,6 +6,7 @@ use meniscus_shader::{Binding, BindingKind};
 use crate::host_buffers::HostBuffers;
 use crate::host_scene::HostScene;
 use crate::resources::Resources;
+use crate::scene_arrays::SceneArrays;
 use crate::{Gpu, GpuError, formats, steps};
 
 /// Connects the names of shaders to resources.
@@ -13,6 +14,7 @@ pub(crate) struct Binder<'a> {
     pub gpu: &'a Gpu,
     pub resources: &'a Resources,
     pub scene: &'a HostScene,
+    pub arrays: &'a SceneArrays,
     pub host: HostBuffers,
 }
 
@@ -69,6 +71,10 @@ impl<'a> Binder<'a> {
             BindingKind::Uniform(ty) | BindingKind::Storage { ty, .. } => {
                 match self.resources.buffers.get(&binding.resource) {
                     Some(buffer) => Ok(Bound::Buffer(buffer.clone())),
+                    None if SceneArrays::has(&binding.resource) => {
+                        let buffer = self.arrays.get(self.gpu, pass, binding, ty)?;
+                        Ok(Bound::Buffer(buffer))
+                    }
                     None => {
                         let views = &self.resources.views;
                         let buffer = self

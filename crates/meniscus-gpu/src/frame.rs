@@ -258,6 +258,7 @@ impl Parts {
             gpu,
             resources: &resources,
             scene: host,
+            arrays: scene.arrays(),
             host: HostBuffers::default(),
         };
         let builder = steps::Builder {

@@ -122,6 +122,81 @@ pub(crate) fn array_bytes(
     Ok(bytes)
 }
 
+/// One member of all elements of an array.
+pub(crate) enum Column<'a> {
+    U32(Box<dyn Fn(usize) -> u32 + 'a>),
+    Vec3(Box<dyn Fn(usize) -> glam::Vec3 + 'a>),
+}
+
+impl<'a> Column<'a> {
+    pub fn u32(value: impl Fn(usize) -> u32 + 'a) -> Self {
+        Self::U32(Box::new(value))
+    }
+
+    pub fn vec3(value: impl Fn(usize) -> glam::Vec3 + 'a) -> Self {
+        Self::Vec3(Box::new(value))
+    }
+
+    /// Any value of its type.
+    fn sample(&self) -> Value {
+        match self {
+            Self::U32(_) => Value::U32(0),
+            Self::Vec3(_) => Value::Vec3([0.0; 3]),
+        }
+    }
+}
+
+/// The bytes of a large array of structs, member by member, so that names are looked up once.
+///
+/// # Errors
+/// When the type is no array of structs of unknown length, and when the host has no such member or
+/// has it with another type.
+pub(crate) fn column_bytes<'a>(
+    module: &Module,
+    ty: Handle<Type>,
+    count: usize,
+    column: impl Fn(&str) -> Option<Column<'a>>,
+) -> Result<Vec<u8>, String> {
+    let TypeInner::Array {
+        base,
+        size: ArraySize::Dynamic,
+        stride,
+    } = &module.types[ty].inner
+    else {
+        return Err("it is to be declared as an array of structs without a length".to_owned());
+    };
+    let TypeInner::Struct { members, .. } = &module.types[*base].inner else {
+        return Err("it is to be declared as an array of structs".to_owned());
+    };
+    let stride = *stride as usize;
+    let mut bytes = vec![0; stride * count];
+    for member in members {
+        let name = member.name.as_deref().unwrap_or_default();
+        let Some(column) = column(name) else {
+            return Err(format!("the host has no member `{name}` in it"));
+        };
+        let sample = column.sample();
+        if !sample.fits(&module.types[member.ty].inner) {
+            return Err(format!("its member `{name}` is of type {}", sample.wgsl()));
+        }
+        let offset = member.offset as usize;
+        let elements = bytes.chunks_exact_mut(stride).enumerate();
+        match column {
+            Column::U32(value) => {
+                for (index, element) in elements {
+                    element[offset..offset + 4].copy_from_slice(bytemuck::bytes_of(&value(index)));
+                }
+            }
+            Column::Vec3(value) => {
+                for (index, element) in elements {
+                    element[offset..offset + 12].copy_from_slice(bytemuck::bytes_of(&value(index)));
+                }
+            }
+        }
+    }
+    Ok(bytes)
+}
+
 /// A text that is the same for types that are written with the same bytes.
 pub(crate) fn signature(module: &Module, ty: Handle<Type>) -> String {
     match &module.types[ty].inner {
@@ -196,6 +271,33 @@ mod tests {
             (float(&bytes, 8), float(&bytes, 16), float(&bytes, 24)),
             (8.0, 1.0, 8.0)
         );
+    }
+
+    #[test]
+    fn columns_are_written_as_elements_are() {
+        let (m, ty) = module(
+            "struct E { id: u32, eye: vec3f, other: u32 } @group(0) @binding(0) var<storage> e: array<E>;",
+        );
+        let eye = |i: usize| glam::Vec3::new(i as f32, 0.5, -1.0);
+        let by_element = array_bytes(&m, ty, 3, |i, name| {
+            Some(match name {
+                "eye" => Value::Vec3(eye(i).to_array()),
+                "id" => Value::U32(i as u32 + 7),
+                _ => Value::U32(u32::MAX),
+            })
+        });
+        let by_column = column_bytes(&m, ty, 3, |name| {
+            Some(match name {
+                "eye" => Column::vec3(eye),
+                "id" => Column::u32(|i| i as u32 + 7),
+                _ => Column::u32(|_| u32::MAX),
+            })
+        });
+        assert_eq!(by_column, by_element);
+        let error = column_bytes(&m, ty, 3, |_| Some(Column::u32(|_| 0))).unwrap_err();
+        assert!(error.contains("`eye` is of type u32"), "{error}");
+        let error = column_bytes(&m, ty, 3, |_| None).unwrap_err();
+        assert!(error.contains("no member `id`"), "{error}");
     }
 
     #[test]

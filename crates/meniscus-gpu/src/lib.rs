@@ -9,6 +9,7 @@
 
 mod adapter;
 mod bindings;
+mod bvh;
 mod compute;
 mod counters;
 mod error;
@@ -24,6 +25,7 @@ mod queries;
 mod readback;
 mod record;
 mod resources;
+mod scene_arrays;
 mod scene_buffers;
 mod steps;
 mod timing;

@@ -8,6 +8,7 @@ use wgpu::util::DeviceExt;
 
 use crate::geometry::{Triangles, WaterBand};
 use crate::host_scene::HostScene;
+use crate::scene_arrays::SceneArrays;
 use crate::{Gpu, GpuError};
 
 /// A scene on the GPU: its triangles are uploaded once, in an order in which either side of the
@@ -15,6 +16,7 @@ use crate::{Gpu, GpuError};
 #[derive(Debug)]
 pub struct SceneBuffers {
     pub(crate) host: HostScene,
+    arrays: SceneArrays,
     band: WaterBand,
     triangles: usize,
     heights: [f64; 2],
@@ -71,6 +73,7 @@ impl SceneBuffers {
         };
         Ok(Self {
             host: HostScene::new(scene),
+            arrays: SceneArrays::new(&scene.mesh),
             band,
             triangles: scene.mesh.triangles.len(),
             heights: heights(scene),
@@ -81,9 +84,20 @@ impl SceneBuffers {
         })
     }
 
-    /// Bytes of vertices and indices.
+    /// Bytes of vertices and indices, and of what is uploaded for rays so far.
     pub fn bytes(&self) -> u64 {
-        self.bytes
+        self.bytes + self.arrays.bytes()
+    }
+
+    /// How long it took to sort the triangles for rays (`bvh_nodes`), milliseconds; none while no
+    /// frame of this scene has asked for it.
+    pub fn build_ms(&self) -> Option<f64> {
+        self.arrays.build_ms()
+    }
+
+    /// The arrays that are made of the triangles.
+    pub(crate) fn arrays(&self) -> &SceneArrays {
+        &self.arrays
     }
 
     /// Whether a frame of these triangles can show this scene: the mesh is taken to be the same,

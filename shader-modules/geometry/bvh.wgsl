@@ -1,0 +1,123 @@
+// What a ray meets first of all triangles of the scene: a walk through a tree of boxes, the nearer
+// child first. World space, metres. The stack is as deep as the host's trees may be. A walk of more
+// than 4,096 nodes (far beyond what a million triangles ask for) ends with the nearest triangle
+// found until then; a ray that is not finite meets nothing.
+//
+// provides: intersect
+// needs: geometry/box, geometry/hit, geometry/octahedral, geometry/ray, geometry/triangle
+// slots: reproject
+// domain: coordinates up to 1e6 m, unit directions
+
+struct Triangle {
+    first: vec3f,
+    object: u32,
+    second: vec3f,
+    first_normal: u32,
+    third: vec3f,
+    second_normal: u32,
+    third_normal: u32,
+}
+
+// With a `count` of 0, `first` is the first of two nodes; else the first of so many triangles.
+struct BvhNode {
+    low: vec3f,
+    first: u32,
+    high: vec3f,
+    count: u32,
+}
+
+var<storage, read> triangles: array<Triangle>;
+var<storage, read> bvh_nodes: array<BvhNode>;
+
+const MOST_NODES = 4096;
+const STACK = 32;
+const MOST_IN_A_LEAF = 4u;
+
+// A node that is yet to be visited, and where the ray enters it.
+struct Open {
+    first: u32,
+    count: u32,
+    entry: f32,
+}
+
+struct Nearest {
+    distance: f32,
+    weights: vec3f,
+    triangle: u32,
+}
+
+fn nearest_triangle(ray: Ray) -> Nearest {
+    let sheared = sheared_ray(ray);
+    let inverse = box_inverse(ray.direction);
+    var nearest = Nearest(1e30, vec3f(0.0), 0u);
+    var stack: array<Open, STACK>;
+    var top = 0;
+    let root = bvh_nodes[0];
+    var node = Open(root.first, root.count, 0.0);
+    for (var visit = 0; visit < MOST_NODES; visit++) {
+        var descends = false;
+        if node.count > 0u {
+            for (var i = 0u; i < MOST_IN_A_LEAF; i++) {
+                if i >= node.count {
+                    break;
+                }
+                let index = node.first + i;
+                let triangle = triangles[index];
+                let hit = triangle_hit(sheared, triangle.first, triangle.second, triangle.third);
+                if hit.found && hit.distance >= 0.0 && hit.distance < nearest.distance {
+                    nearest = Nearest(hit.distance, hit.weights, index);
+                }
+            }
+        } else {
+            let left = bvh_nodes[node.first];
+            let right = bvh_nodes[node.first + 1u];
+            let to_left = box_entry(ray.origin, inverse, left.low, left.high, nearest.distance);
+            let to_right = box_entry(ray.origin, inverse, right.low, right.high, nearest.distance);
+            let swapped = to_right < to_left;
+            let far_entry = max(to_left, to_right);
+            if far_entry < 1e30 && top < STACK {
+                stack[top] = Open(
+                    select(right.first, left.first, swapped),
+                    select(right.count, left.count, swapped),
+                    far_entry,
+                );
+                top++;
+            }
+            node = Open(
+                select(left.first, right.first, swapped),
+                select(left.count, right.count, swapped),
+                min(to_left, to_right),
+            );
+            descends = node.entry < 1e30;
+        }
+        // What waits on the stack may lie behind what has been met since.
+        for (var i = 0; i < STACK && !descends && top > 0; i++) {
+            top--;
+            node = stack[top];
+            descends = node.entry <= nearest.distance;
+        }
+        if !descends {
+            break;
+        }
+    }
+    return nearest;
+}
+
+fn intersect(ray: Ray, texel: vec2f) -> Hit {
+    let nearest = nearest_triangle(ray);
+    if !(nearest.distance < 1e30) {
+        return no_hit(ray, texel);
+    }
+    let triangle = triangles[nearest.triangle];
+    let w = nearest.weights;
+    let position = triangle.first * w.x + triangle.second * w.y + triangle.third * w.z;
+    let normal = cross(triangle.second - triangle.first, triangle.third - triangle.first);
+    let shading_normal = octahedral_decoded(unpack2x16snorm(triangle.first_normal)) * w.x
+        + octahedral_decoded(unpack2x16snorm(triangle.second_normal)) * w.y
+        + octahedral_decoded(unpack2x16snorm(triangle.third_normal)) * w.z;
+    let unit = normal / max(length(normal), 1e-30);
+    let size = length(shading_normal);
+    // Normals that cancel each other have no direction to give.
+    let smooth_unit = select(unit, shading_normal / max(size, 1e-6), size > 1e-6);
+    return Hit(position, unit, smooth_unit, f32(triangle.object), reproject(position), 0.0, true, ray.direction);
+}
