@@ -37,9 +37,12 @@ fn on_large_stack<T: Send>(run: impl FnOnce() -> Result<T, Report> + Send) -> Re
 ///
 /// # Errors
 /// naga's message, at the place where the cause was written.
-pub(crate) fn check(written: &Written, library: &Library) -> Result<(), Report> {
+pub(crate) fn check(
+    written: &Written,
+    library: &Library,
+) -> Result<(naga::Module, ModuleInfo), Report> {
     check_chains(written)?;
-    on_large_stack(|| parse(written, library).map(|_| ()))
+    on_large_stack(|| parse(written, library))
 }
 
 pub(crate) fn shader(written: Written, library: &Library) -> Result<Shader, Report> {
@@ -234,27 +237,39 @@ fn with_bindings(text: &str, bindings: &[Binding]) -> String {
     bound
 }
 
-/// Refuses texts on which naga would exhaust its stack: it recurses on chained operators, on
-/// `else if`, and on brackets.
+/// Refuses texts on which naga would exhaust its stack: it recurses on chained operators and
+/// accesses, on `else if`, on template lists, and on brackets.
 fn check_chains(written: &Written) -> Result<(), Report> {
     let text = &written.source.text;
-    let mut operators = 0;
+    // How long the chain was when each open bracket was met: a comma goes back to that.
+    let mut open: Vec<usize> = Vec::new();
+    let mut chain = 0;
     let mut elses = 0;
-    let mut depth = 0usize;
     for token in crate::lexer::tokens(text) {
         match token.kind {
-            Kind::Mark(';') => operators = 0,
-            Kind::Mark('(' | '[' | '{') => depth += 1,
-            Kind::Mark(')' | ']' | '}') => depth = depth.saturating_sub(1),
-            Kind::Mark('+' | '-' | '*' | '/' | '%' | '&' | '|' | '^' | '!' | '~') => operators += 1,
+            Kind::Mark(';' | '{' | '}') => {
+                chain = 0;
+                match &text[token.range.clone()] {
+                    "{" => open.push(0),
+                    "}" => drop(open.pop()),
+                    _ => {}
+                }
+            }
+            Kind::Mark('(' | '[') => {
+                chain += 1;
+                open.push(chain);
+            }
+            Kind::Mark(')' | ']') => drop(open.pop()),
+            Kind::Mark(',') => chain = open.last().copied().unwrap_or(0),
+            Kind::Mark('+' | '-' | '*' | '/' | '%' | '&' | '|' | '^' | '!' | '~' | '<' | '>' | '.') => chain += 1,
             Kind::Word => match &text[token.range.clone()] {
                 "else" => elses += 1,
-                "fn" => (elses, operators) = (0, 0),
+                "fn" => elses = 0,
                 _ => {}
             },
             _ => {}
         }
-        if operators > MAX_CHAIN || elses > MAX_CHAIN || depth > MAX_CHAIN {
+        if chain > MAX_CHAIN || elses > MAX_CHAIN || open.len() > MAX_CHAIN {
             let mut wrong = Diagnostic::error(format!(
                 "more than {MAX_CHAIN} operators, `else`s or brackets in one go"
             ))

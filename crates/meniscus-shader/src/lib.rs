@@ -5,6 +5,7 @@
 //! [`Recipe`] (a skeleton and what fills its slots) into a [`Shader`]: one text, validated by
 //! naga, with the bindings assigned. See this crate's README for the module format.
 
+mod alone;
 mod check;
 mod compose;
 mod contract;
@@ -22,6 +23,7 @@ mod predeclared;
 mod shader;
 mod text;
 
+pub use alone::Alone;
 pub use compose::{Composer, Output, Recipe, Stage};
 pub use filling::Filling;
 pub use header::{Header, Name, Number, Requirement, SlotUse, When};
