@@ -15,7 +15,7 @@ use meniscus_source::Report;
 use serde_json::{Map, Value, json};
 
 use crate::facts::facts_of;
-use crate::picture::check_size;
+use crate::picture::{check_size, is_finite};
 use crate::project::Project;
 use crate::rounds::{Rounds, order};
 use crate::subject::{self, Stage, Subject};
@@ -108,6 +108,16 @@ pub struct RowOutcome {
     pub shown: Vec<[f32; 4]>,
     /// What the comparison says of each pixel.
     pub judgement: Judgement,
+}
+
+impl RowOutcome {
+    /// Pixels of which the colour, or the point that it shows, holds a NaN or an infinity.
+    pub fn not_finite(&self) -> usize {
+        let pixels = self.colours.iter().zip(&self.shown);
+        let points = |shown: &[f32; 4]| shown.iter().all(|number| number.is_finite());
+        let wrong = pixels.filter(|(colour, shown)| !is_finite(colour) || !points(shown));
+        wrong.count()
+    }
 }
 
 impl Ablation {
@@ -260,6 +270,7 @@ impl Ablation {
             .map(|p| (p.name.clone(), json!(p.shader.hash)));
         let mut row_more = Map::new();
         row_more.insert("shaders".into(), Value::Object(hashes.collect()));
+        row_more.insert("not_finite_pixels".into(), json!(outcome.not_finite()));
         Ok(Row {
             pipeline: subject.name.clone(),
             timer: match clock {

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use meniscus_measure::heat::{LogScale, error_map};
 use meniscus_measure::{
-    FigurePoint, MeasureError, NpyData, Table, npy_bytes, time_error_figure, to_srgb8,
-    write_atomically, write_png,
+    FigurePoint, MeasureError, NpyData, Table, npy_bytes, time_error_figure, write_atomically,
+    write_png,
 };
 
 use crate::ablation::Outcome;
+use crate::picture::srgb;
 
 /// Errors from which a false-colour map begins, and at which it ends, in pixels.
 const MAP_PIXELS: (f64, f64) = (0.01, 100.0);
@@ -42,7 +43,7 @@ pub fn write_directory(folder: &Path, outcome: &Outcome) -> Result<(), MeasureEr
     for (row, figures) in outcome.rows.iter().zip(&results.rows) {
         let name = file_name(&figures.pipeline);
         let path = |ending: &str| folder.join(format!("{name}{ending}"));
-        write_png(&path(".png"), results.size, &to_srgb8(&row.colours))?;
+        write_png(&path(".png"), results.size, &srgb(&row.colours))?;
         let map = error_map(&row.judgement.verdicts, &scale);
         write_png(&path(".error.png"), results.size, &map)?;
         let shown = npy_bytes(&shape, NpyData::F32(row.shown.as_flattened()))?;
@@ -51,7 +52,7 @@ pub fn write_directory(folder: &Path, outcome: &Outcome) -> Result<(), MeasureEr
     write_png(
         &folder.join("truth.png"),
         results.size,
-        &to_srgb8(&outcome.truth.colour),
+        &srgb(&outcome.truth.colour),
     )?;
     let points = outcome.truth.point.iter().zip(&outcome.truth.object);
     let truth: Vec<f64> = points

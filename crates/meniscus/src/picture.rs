@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::UVec2;
 use meniscus_gpu::{Gpu, GpuError, PipelineCache, SceneBuffers};
+use meniscus_measure::to_srgb8;
 use meniscus_pipeline::Pipeline;
 use meniscus_scene::Scene;
 
@@ -51,8 +52,23 @@ impl Picture {
 
     /// The picture as 8-bit sRGB; what is not finite shows as magenta, so that it is seen.
     pub fn srgb(&self) -> Vec<u8> {
-        meniscus_measure::to_srgb8(&self.colours)
+        srgb(&self.colours)
     }
+}
+
+/// Whether every channel is a number.
+pub(crate) fn is_finite(colour: &[f32; 3]) -> bool {
+    colour.iter().all(|channel| channel.is_finite())
+}
+
+/// Linear colours as 8-bit sRGB; what is not finite as magenta, so that it is seen.
+pub(crate) fn srgb(colours: &[[f32; 3]]) -> Vec<u8> {
+    const MARK: [f32; 3] = [1.0, 0.0, 1.0];
+    let marked = |colour: &[f32; 3]| match is_finite(colour) {
+        true => *colour,
+        false => MARK,
+    };
+    to_srgb8(&colours.iter().map(marked).collect::<Vec<_>>())
 }
 
 /// Refuses sizes that no picture can have, before anything is made.
@@ -64,4 +80,15 @@ pub(crate) fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), Gpu
         )));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::srgb;
+
+    #[test]
+    fn what_is_not_finite_is_seen() {
+        let colours = [[0.0, 1.0, 2.0], [0.0, f32::NAN, 0.0], [f32::INFINITY; 3]];
+        assert_eq!(srgb(&colours), [0, 255, 255, 255, 0, 255, 255, 0, 255]);
+    }
 }
