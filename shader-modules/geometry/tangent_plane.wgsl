@@ -4,9 +4,11 @@
 // that stands before the bank) the ray's own points are looked for, at doubling distances; if they
 // show nothing either there is no hit. The residual is the distance from the ray of what is seen where the hit appears, in
 // pixels: it tells the error without a reference, but not of a nearer surface that hides there.
+// Where another object is seen there or right beside it, the plane may not reach as far, and the
+// residual is larger than any bound.
 //
 // provides: intersect
-// needs: geometry/ray, geometry/hit, screen/seen_point, screen/residual
+// needs: geometry/ray, geometry/hit, screen/residual
 // slots: reproject, seen
 // number probes: 0 to 8, step 1
 // number first_probe: 0.001 to 100 m, step 0.01
@@ -37,7 +39,7 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
     let there = seen(place);
     var residual = UNKNOWN_RESIDUAL;
     if there.object >= 0.0 && is_seen(place) {
-        residual = residual_px(ray, there.position);
+        residual = residual_px(ray, there.position) + select(0.0, OTHER_OBJECT, there.edge || there.object != near.object);
     }
     return Hit(position, near.normal, near.shading_normal, near.object, place, residual, true, ray.direction);
 }

@@ -2,6 +2,7 @@
 // Liu, Han, Fei 2020, broad phase, with the direction and origin corrected. World space, metres.
 //
 // needs: optics/flat_crossing, water/body
+// slots: crossing
 
 // Depths relative to the rest plane and the crossing between an eye and a point.
 struct FlatPath {
@@ -23,7 +24,7 @@ fn flat_path(point: vec3f, eye: vec3f) -> FlatPath {
     let behind = max(point_depth, 0.0);
     let low = select(behind, eye_depth, eye_low);
     let high = select(eye_depth, behind, eye_low);
-    return FlatPath(eye_depth, point_depth, offset, flat_crossing(low, high, length(offset)), eye_low);
+    return FlatPath(eye_depth, point_depth, offset, crossing(low, high, length(offset)), eye_low);
 }
 
 // The apparent position on the vertical through the point: the straightened camera ray passes

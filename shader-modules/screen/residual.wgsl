@@ -5,6 +5,9 @@
 // A place that is outside the seen buffers, or shows nothing, tells nothing: the largest residual.
 const UNKNOWN_RESIDUAL = 1e6;
 
+// What is added where another object is seen than the one that was asked for, pixels.
+const OTHER_OBJECT = 1e3;
+
 // The distance of a point from a ray behind the water, in pixels of the seen buffers: divided by
 // what a pixel covers there, at the ray's apparent distance from the eye. World space, metres.
 fn residual_px(ray: Ray, point: vec3f) -> f32 {

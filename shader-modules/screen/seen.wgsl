@@ -20,11 +20,13 @@ fn seen_at(texel: vec2f) -> Seen {
     let corner = floor(texel - 0.5);
     let part = clamp(texel - 0.5 - corner, vec2f(0.0), vec2f(1.0));
     var sum = vec4f(0.0);
+    var edge = false;
     for (var i = 0; i < 4; i++) {
         let step = vec2i(i & 1, i >> 1u);
         let point = textureLoad(seen_position, clamp(vec2i(corner) + step, vec2i(0), last), 0);
         let weights = select(1.0 - part, part, step == vec2i(1));
         let weight = weights.x * weights.y * f32(point.w == kept.w);
+        edge |= point.w != kept.w;
         sum += weight * vec4f(point.xyz - kept.xyz, 1.0);
     }
     let normals = textureLoad(seen_normal, nearest, 0);
@@ -33,5 +35,6 @@ fn seen_at(texel: vec2f) -> Seen {
         octahedral_decoded(normals.xy),
         octahedral_decoded(normals.zw),
         kept.w,
+        edge,
     );
 }

@@ -1,9 +1,9 @@
 // The solid point seen at a place of the seen buffers, from one texel that holds its plane.
 // The point is where the ray that flat water refracts towards this very place meets the plane: no
-// interpolation, one load. World space, metres; texels with centres at half integers.
+// interpolation, and one load (more only where it matters whether an edge is near). World space, metres; texels with centres at half integers.
 //
 // provides: seen
-// needs: geometry/octahedral, optics/snell, screen/neighbours, screen/seen_point, screen/seen_view, screen/target, water/body
+// needs: geometry/octahedral, optics/snell, screen/neighbours, screen/seen_point, screen/seen_view, water/body
 
 // x: the bits of the plane's distance from the eye along its normal, metres. y, z: the geometric
 // and the shading normal, octahedral, as pairs of 16-bit numbers. w: object id + 1, 0 for none.
@@ -16,6 +16,11 @@ fn seen(texel: vec2f) -> Seen {
     for (var i = 0; i < NEIGHBOURS && plane.w == 0u; i++) {
         plane = textureLoad(seen_plane, clamp(middle + neighbour(i), vec2i(0), last), 0);
     }
+    var edge = false;
+    for (var i = 0; i < 4; i++) {
+        let around = vec2i(floor(texel - 0.5)) + vec2i(i & 1, i >> 1u);
+        edge |= textureLoad(seen_plane, clamp(around, vec2i(0), last), 0).w != plane.w;
+    }
     let normal = octahedral_decoded(unpack2x16snorm(plane.y));
     let shading_normal = octahedral_decoded(unpack2x16snorm(plane.z));
     let ray = view_ray(view_seen(), texel);
@@ -27,5 +32,5 @@ fn seen(texel: vec2f) -> Seen {
     let slope = dot(normal, behind.direction);
     let offset = bitcast<f32>(plane.x) - dot(normal, crossing - ray.origin);
     let reach = clamp(offset / select(slope, 1e-6, abs(slope) < 1e-6), 0.0, 1e6);
-    return Seen(crossing + reach * behind.direction, normal, shading_normal, f32(plane.w) - 1.0);
+    return Seen(crossing + reach * behind.direction, normal, shading_normal, f32(plane.w) - 1.0, edge);
 }

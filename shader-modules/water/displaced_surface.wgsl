@@ -10,7 +10,7 @@
 // number march_steps: 1 to 256, step 1
 // number newton_steps: 1 to 16, step 1
 
-override march_steps: i32 = 48;
+override march_steps: i32 = 96;
 override newton_steps: i32 = 8;
 
 fn meet(ray: Ray) -> Meeting {

@@ -2,7 +2,7 @@
 // h = Σ A sin(k · x + φ), φ holding the time's part. Metres, radians.
 //
 // provides: surface
-// needs: water/shape
+// needs: water/shape, water/sine
 
 struct Wave {
     wave_vector: vec2f,
@@ -21,8 +21,9 @@ fn surface(at: vec2f) -> Shape {
     for (var i = 0u; i < count; i++) {
         let wave = waves[i];
         let angle = dot(wave.wave_vector, at) + wave.phase;
-        shape.height += wave.amplitude * sin(angle);
-        shape.gradient += wave.amplitude * cos(angle) * wave.wave_vector;
+        let circle = wave.amplitude * cosine_and_sine(angle);
+        shape.height += circle.y;
+        shape.gradient += circle.x * wave.wave_vector;
     }
     return shape;
 }
