@@ -1,7 +1,7 @@
 //! The leading comment of a module: words for people, and the lines that the composer reads.
 //!
 //! ```text
-//! // One line of purpose.
+//! // One sentence of purpose.
 //! // …
 //! // provides: intersect
 //! // needs: geometry/ray, screen/seen
@@ -19,7 +19,7 @@ use meniscus_source::{Diagnostic, Place, Report, SourceFile};
 /// What a module says of itself.
 #[derive(Debug, Clone, Default)]
 pub struct Header {
-    /// The first line: what it is for.
+    /// The first sentence: what it is for.
     pub purpose: String,
     /// The slot it fills.
     pub provides: Option<Name>,
@@ -107,14 +107,26 @@ impl Header {
     pub fn read(file: &Arc<SourceFile>, report: &mut Report) -> (Self, Range<usize>) {
         let mut header = Self::default();
         let mut end = 0;
+        let mut first = String::new();
         for line in leading_lines(&file.text) {
             end = line.start + line.text.len();
-            if header.purpose.is_empty() && !line.text.trim().is_empty() {
-                header.purpose = line.text.trim().to_owned();
+            if header.purpose.is_empty() {
+                let text = line.text.trim();
+                match text.is_empty() {
+                    true => header.purpose = std::mem::take(&mut first),
+                    false => {
+                        let space = if first.is_empty() { "" } else { " " };
+                        first = format!("{first}{space}{text}");
+                        header.purpose = sentence(&first).unwrap_or_default().to_owned();
+                    }
+                }
             }
             if let Err(diagnostic) = header.read_line(file, &line) {
                 report.add(diagnostic);
             }
+        }
+        if header.purpose.is_empty() {
+            header.purpose = first;
         }
         (header, 0..end)
     }
@@ -203,6 +215,21 @@ impl Header {
 
 /// The `//` lines at the top of a text, up to the first line that is none: what follows a blank
 /// line belongs to a declaration.
+/// The first sentence, if it has come to its end: at a full stop before a capital letter or a name
+/// in code. One at the end of a line may be that of an abbreviation, but then a sentence is cut short.
+fn sentence(text: &str) -> Option<&str> {
+    let opens = |rest: &str| {
+        let mut next = rest.chars();
+        match next.next() {
+            None => true,
+            Some(' ') => next.next().is_some_and(|c| c.is_uppercase() || c == '`'),
+            Some(_) => false,
+        }
+    };
+    let mut stops = text.match_indices('.').map(|(at, _)| at + 1);
+    stops.find(|at| opens(&text[*at..])).map(|at| &text[..at])
+}
+
 fn leading_lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     let mut at = 0;
     text.split_inclusive('\n')
@@ -294,6 +321,21 @@ fn number(name: Name, said: &Name) -> Result<Number, Diagnostic> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_purpose_is_the_first_sentence() {
+        for (comment, purpose) in [
+            ("// One line.\n//\n// provides: x\n", "One line."),
+            ("// Over two\n// lines. And more.\n", "Over two lines."),
+            ("// Lies in 0.5 to 1. `x`: an input.\n", "Lies in 0.5 to 1."),
+            ("// After eq. 3 of it. World space.\n", "After eq. 3 of it."),
+            ("// No stop\n//\n// needs: a/b\n", "No stop"),
+            ("// No stop", "No stop"),
+            ("fn f() {}", ""),
+        ] {
+            assert_eq!(read(comment).0.purpose, purpose);
+        }
+    }
 
     fn read(text: &str) -> (Header, Report) {
         let mut report = Report::default();
