@@ -50,16 +50,7 @@ impl Bvh {
     /// their number.
     pub fn new(mesh: &Mesh) -> Self {
         let start = Instant::now();
-        let boxes: Vec<Aabb> = mesh
-            .triangles
-            .iter()
-            .map(|triangle| {
-                let [a, b, c] = triangle
-                    .corners
-                    .map(|c| Vec3A::from(mesh.positions[c as usize]));
-                Aabb::new(a.min(b).min(c), a.max(b).max(c))
-            })
-            .collect();
+        let boxes = boxes(mesh);
         let sides = boxes
             .iter()
             .fold(Vec3A::ZERO, |s, b| s.max(b.min.abs()).max(b.max.abs()));
@@ -74,6 +65,16 @@ impl Bvh {
             build_ms: start.elapsed().as_secs_f64() * 1e3,
         }
     }
+}
+
+/// The box about each triangle.
+fn boxes(mesh: &Mesh) -> Vec<Aabb> {
+    let around = |triangle: &meniscus_scene::Triangle| {
+        let corners = triangle.corners.map(|c| mesh.positions[c as usize]);
+        let [a, b, c] = corners.map(Vec3A::from);
+        Aabb::new(a.min(b).min(c), a.max(b).max(c))
+    };
+    mesh.triangles.iter().map(around).collect()
 }
 
 fn clustered(boxes: &[Aabb]) -> (Vec<Node>, Vec<u32>) {
@@ -254,24 +255,27 @@ mod tests {
         }
     }
 
+    /// Expected cost of a ray by the surface area heuristic: visits and triangle tests.
+    fn cost(nodes: &[Node]) -> f32 {
+        let area = |n: &Node| {
+            let s = n.high - n.low;
+            s.x * s.y + s.y * s.z + s.z * s.x
+        };
+        let work = |n: &Node| area(n) * (n.count as f32).max(TRAVERSAL_COST);
+        nodes.iter().map(work).sum::<f32>() / area(&nodes[0])
+    }
+
     #[test]
     fn clustering_is_used_where_it_can_be_and_beats_halving() {
-        // Expected cost of a ray: the nodes' areas relative to the root's.
-        let cost = |nodes: &[Node]| {
-            let area = |n: &Node| {
-                let s = n.high - n.low;
-                s.x * s.y + s.y * s.z + s.z * s.x
-            };
-            nodes.iter().map(area).sum::<f32>() / area(&nodes[0])
-        };
-        let mesh = &meshes()[5];
-        let boxes: Vec<Aabb> = (0..mesh.triangles.len())
-            .map(|i| {
-                let [a, b, c] = mesh.corners(i).map(|p| Vec3A::from(p.as_vec3()));
-                Aabb::new(a.min(b).min(c), a.max(b).max(c))
-            })
-            .collect();
-        let built = Bvh::new(mesh);
+        // Triangles of very different sizes, as scenes have them.
+        let mesh = soup(2000, |i| {
+            let at = |k: usize| Vec3::from_array([0, 1, 2].map(|a| scattered(9 * i + 3 * k + a)));
+            let centre = 10.0 * Vec3::new(scattered(5 * i), scattered(11 * i + 3), scattered(i));
+            let size = if i % 50 == 0 { 5.0 } else { 0.05 };
+            [0, 1, 2].map(|k| centre + size * at(k))
+        });
+        let boxes = boxes(&mesh);
+        let built = Bvh::new(&mesh);
         assert_eq!(built.nodes, clustered(&boxes).0);
         assert!(cost(&built.nodes) < cost(&halved(&boxes).0));
     }
