@@ -4,19 +4,9 @@
 // found until then; a ray that is not finite meets nothing.
 //
 // provides: intersect
-// needs: geometry/box, geometry/hit, geometry/octahedral, geometry/ray, geometry/triangle
+// needs: geometry/box, geometry/hit, geometry/ray, geometry/triangle, geometry/triangles
 // slots: reproject
 // domain: coordinates up to 1e6 m, unit directions
-
-struct Triangle {
-    first: vec3f,
-    object: u32,
-    second: vec3f,
-    first_normal: u32,
-    third: vec3f,
-    second_normal: u32,
-    third_normal: u32,
-}
 
 // With a `count` of 0, `first` is the first of two nodes; else the first of so many triangles.
 struct BvhNode {
@@ -26,7 +16,6 @@ struct BvhNode {
     count: u32,
 }
 
-var<storage, read> triangles: array<Triangle>;
 var<storage, read> bvh_nodes: array<BvhNode>;
 
 const MOST_NODES = 4096;
@@ -108,16 +97,7 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
     if !(nearest.distance < 1e30) {
         return no_hit(ray, texel);
     }
-    let triangle = triangles[nearest.triangle];
-    let w = nearest.weights;
-    let position = triangle.first * w.x + triangle.second * w.y + triangle.third * w.z;
-    let normal = cross(triangle.second - triangle.first, triangle.third - triangle.first);
-    let shading_normal = octahedral_decoded(unpack2x16snorm(triangle.first_normal)) * w.x
-        + octahedral_decoded(unpack2x16snorm(triangle.second_normal)) * w.y
-        + octahedral_decoded(unpack2x16snorm(triangle.third_normal)) * w.z;
-    let unit = normal / max(length(normal), 1e-30);
-    let size = length(shading_normal);
-    // Normals that cancel each other have no direction to give.
-    let smooth_unit = select(unit, shading_normal / max(size, 1e-6), size > 1e-6);
-    return Hit(position, unit, smooth_unit, f32(triangle.object), reproject(position), 0.0, true, ray.direction);
+    var hit = triangle_surface(ray, nearest.triangle, nearest.weights, texel);
+    hit.texel = reproject(hit.position);
+    return hit;
 }
