@@ -29,6 +29,7 @@ mod entry;
 mod error;
 mod function;
 mod machine;
+pub mod modules;
 pub mod number;
 mod op;
 mod registers;

@@ -87,6 +87,23 @@ impl Domain {
         })
     }
 
+    /// From a kind and a range for each single number; a unit vector has [`Range::Unit`] for each of
+    /// its numbers, and tells how many they are with the first, 0 with the others.
+    pub(crate) fn of_leaves(numbers: &[(Kind, Range, usize)]) -> Option<Self> {
+        let leaf = |(kind, range, count): &(Kind, Range, usize)| match range {
+            Range::Unit => Some(Leaf {
+                kind: *kind,
+                range: Range::Unit,
+                count: *count,
+            }),
+            _ => leaves_of(&Shape::Scalar(*kind), range)?.pop(),
+        };
+        Some(Self {
+            leaves: numbers.iter().map(leaf).collect::<Option<_>>()?,
+            relations: Vec::new(),
+        })
+    }
+
     /// Adds a relation; none where there is no such number, or it is part of a unit vector.
     #[must_use]
     pub fn with(mut self, relation: Relation) -> Option<Self> {
@@ -104,9 +121,17 @@ impl Domain {
         self.leaves.len()
     }
 
-    /// Which of the numbers are `f32`s.
+    /// Which of the numbers are `f32`s that vary.
     pub fn floats(&self) -> impl Iterator<Item = usize> {
-        (0..self.leaves.len()).filter(|&i| self.leaves[i].kind == Kind::Float)
+        let fixed = |range: &Range| match *range {
+            Range::Bits(low, high) | Range::Linear(low, high) | Range::Log(low, high) => {
+                low == high
+            }
+            Range::Whole(..) | Range::Unit => false,
+        };
+        (0..self.leaves.len()).filter(move |&i| {
+            self.leaves[i].kind == Kind::Float && !fixed(&self.leaves[i].range)
+        })
     }
 
     /// The numbers of an input, as `f64`.
