@@ -26,7 +26,8 @@ fn seen_at(texel: vec2f) -> Seen {
         let point = textureLoad(seen_position, clamp(vec2i(corner) + step, vec2i(0), last), 0);
         let weights = select(1.0 - part, part, step == vec2i(1));
         let weight = weights.x * weights.y * f32(point.w == kept.w);
-        edge |= point.w != kept.w;
+        let beside = abs(vec2f(vec2i(corner) + step) + 0.5 - texel) < vec2f(0.5 + EDGE_REACH);
+        edge |= all(beside) && point.w != kept.w;
         sum += weight * vec4f(point.xyz - kept.xyz, 1.0);
     }
     let normals = textureLoad(seen_normal, nearest, 0);

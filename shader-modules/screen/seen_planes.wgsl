@@ -18,8 +18,9 @@ fn seen(texel: vec2f) -> Seen {
     }
     var edge = false;
     for (var i = 0; i < 4; i++) {
-        let around = vec2i(floor(texel - 0.5)) + vec2i(i & 1, i >> 1u);
-        edge |= textureLoad(seen_plane, clamp(around, vec2i(0), last), 0).w != plane.w;
+        let beside = texel + EDGE_REACH * (2.0 * vec2f(f32(i & 1), f32(i >> 1u)) - 1.0);
+        let other = textureLoad(seen_plane, clamp(vec2i(floor(beside)), vec2i(0), last), 0);
+        edge |= other.w != plane.w;
     }
     let normal = octahedral_decoded(unpack2x16snorm(plane.y));
     let shading_normal = octahedral_decoded(unpack2x16snorm(plane.z));

@@ -26,6 +26,8 @@ pub(crate) struct PipelineFile {
     pub textures: Entries<TextureFile>,
     #[serde(default)]
     pub buffers: Entries<BufferFile>,
+    #[serde(default)]
+    pub lists: Entries<Spanned<String>>,
     pub sequence: Vec<Step>,
     pub output: OutputFile,
 }

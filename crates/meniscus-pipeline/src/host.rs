@@ -78,6 +78,10 @@ pub const BLOCKS: &[(&str, Members)] = &[("view_target", VIEW), ("water", WATER)
 /// `bvh_nodes`: boxes, the root first. With a `count` of 0, `first` is the first of two children,
 /// which stand side by side; else a leaf has so many triangles (1 to 4), from `first`. No leaf is
 /// deeper than [`BVH_DEPTH`] under the root.
+/// `distance_grids`: two, the first finer and about what the water covers, the second about
+/// everything; voxels stand at `low` + `voxel` · (x, y, z), `size` of them along the axes, from
+/// `first` in `distance_voxels` (metres to the nearest triangle, negative behind it) and
+/// `distance_objects` (its object's id), x fastest, then y.
 pub const ARRAYS: &[(&str, Members)] = &[
     (
         "waves",
@@ -119,6 +123,17 @@ pub const ARRAYS: &[(&str, Members)] = &[
             ("count", ValueType::U32),
         ],
     ),
+    (
+        "distance_grids",
+        &[
+            ("low", ValueType::Vec3),
+            ("size", ValueType::Vec3),
+            ("voxel", ValueType::F32),
+            ("first", ValueType::U32),
+        ],
+    ),
+    ("distance_voxels", &[("distance", ValueType::F32)]),
+    ("distance_objects", &[("object", ValueType::U32)]),
 ];
 
 /// The most steps from the root of `bvh_nodes` to a leaf: the entries that a stack must have.

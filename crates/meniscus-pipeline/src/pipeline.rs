@@ -28,6 +28,8 @@ pub struct Pipeline {
     pub textures: BTreeMap<String, Spanned<Texture>>,
     /// Buffers by name.
     pub buffers: BTreeMap<String, Spanned<Buffer>>,
+    /// Buffers that hold lists of pixels which results count, by the name of what is counted.
+    pub lists: BTreeMap<String, Spanned<String>>,
     /// Passes in order.
     pub passes: Vec<Pass>,
     /// The texture that comes out.
@@ -47,6 +49,8 @@ pub struct Pass {
     pub when: Option<Spanned<String>>,
     /// Fillings by slot.
     pub slots: BTreeMap<String, Filling>,
+    /// Values of the skeleton's numbers, where they differ from the defaults.
+    pub numbers: BTreeMap<String, Spanned<f64>>,
     /// Resources by variable, where the names differ.
     pub reads: BTreeMap<String, Spanned<String>>,
     /// Textures by output, in the order they were written; `depth` is the depth texture.
@@ -198,6 +202,7 @@ fn build(name: &str, read: PipelineFile) -> Result<Pipeline, Report> {
                 )
             })
             .collect(),
+        lists: file::connections(&read.lists),
         passes: Vec::new(),
         output: read.output.colour,
     };
@@ -297,7 +302,13 @@ fn add_steps(passes: &mut Vec<Pass>, steps: Vec<Step>, suffix: &str, report: &mu
             report.add(twice);
         }
         let mut filled = BTreeMap::new();
+        let mut numbers = BTreeMap::new();
         for (slot, value) in slots.iter() {
+            if let Value::Number(number) = value.value {
+                let place = value.place.clone();
+                numbers.insert(slot.value.clone(), Spanned { value: number, place });
+                continue;
+            }
             match file::filling(slot, value) {
                 Ok(filling) => {
                     filled.insert(slot.value.clone(), filling);
@@ -311,6 +322,7 @@ fn add_steps(passes: &mut Vec<Pass>, steps: Vec<Step>, suffix: &str, report: &mu
             skeleton,
             when,
             slots: filled,
+            numbers,
             reads: file::connections(&reads),
             writes: writes.0,
         });
@@ -367,7 +379,7 @@ impl Pipeline {
             .with_help("write PASS.SLOT or PASS.SLOT.NUMBER"));
         };
         let mut fillings = &mut pass.slots;
-        let mut numbers = None;
+        let mut numbers = &mut pass.numbers;
         for slot in way {
             let known: Vec<String> = fillings.keys().cloned().collect();
             let Some(filling) = fillings.get_mut(*slot) else {
@@ -375,10 +387,16 @@ impl Pipeline {
                     .with_suggestion(slot, known.iter().map(String::as_str)));
             };
             fillings = &mut filling.slots;
-            numbers = Some(&mut filling.numbers);
+            numbers = &mut filling.numbers;
         }
-        match (&value.value, numbers) {
-            (Value::Number(number), Some(numbers)) => {
+        match &value.value {
+            Value::Number(_) if fillings.contains_key(*last) => {
+                return Err(wrong(format!(
+                    "`{}` names a slot, which wants a module",
+                    key.value
+                )));
+            }
+            Value::Number(number) => {
                 let number = file::finite(*number)
                     .ok_or_else(|| wrong(format!("`{}` wants a finite number", key.value)))?;
                 numbers.insert(
@@ -388,12 +406,6 @@ impl Pipeline {
                         place: value.place.clone(),
                     },
                 );
-            }
-            (Value::Number(_), None) => {
-                return Err(wrong(format!(
-                    "`{}` names a slot, which wants a module",
-                    key.value
-                )));
             }
             _ => {
                 let slot = Spanned {

@@ -15,6 +15,9 @@ pub struct Plan {
     pub textures: BTreeMap<String, Texture>,
     /// Buffers by name.
     pub buffers: BTreeMap<String, Buffer>,
+    /// Buffers that hold lists of pixels at the end of a frame (x + 65536 y, behind their count), by
+    /// the name of what is counted.
+    pub lists: BTreeMap<String, String>,
     /// Passes in order.
     pub passes: Vec<PlannedPass>,
     /// The texture that comes out.

@@ -56,6 +56,7 @@ impl Plan {
             planner.add(pass, shown);
         }
         planner.check_output();
+        planner.check_lists();
         let Planner {
             textures,
             written,
@@ -75,6 +76,11 @@ impl Plan {
                 .buffers
                 .iter()
                 .map(|(name, b)| (name.clone(), b.value))
+                .collect(),
+            lists: pipeline
+                .lists
+                .iter()
+                .map(|(name, buffer)| (name.clone(), buffer.value.clone()))
                 .collect(),
             passes,
             output: pipeline.output.value.clone(),
@@ -254,6 +260,9 @@ impl Planner<'_> {
             facts: self.facts.names(),
             stage,
         };
+        self.composer
+            .check_numbers(&pass.skeleton.value, &pass.numbers)
+            .into_result(())?;
         let shader = self.composer.compose(&recipe)?;
         self.check(pass, &recipe, &shader, &outputs, depth)?;
         let kind = self.kind(pass, depth)?;
@@ -497,6 +506,20 @@ impl Planner<'_> {
         report.into_result(())
     }
 
+    /// What results count must be declared.
+    fn check_lists(&mut self) {
+        for buffer in self.pipeline.lists.values() {
+            if !self.pipeline.buffers.contains_key(&buffer.value) {
+                let mut unknown = Diagnostic::error(format!("there is no buffer `{}`", buffer.value));
+                if let Some(place) = &buffer.place {
+                    unknown = unknown.at(place, "not among `buffers`");
+                }
+                let known = self.pipeline.buffers.keys().map(String::as_str);
+                self.report.add(unknown.with_suggestion(&buffer.value, known));
+            }
+        }
+    }
+
     fn check_output(&mut self) {
         let output = &self.pipeline.output;
         match self.declared(output) {
@@ -533,7 +556,7 @@ fn with_twins(filling: &Filling) -> Filling {
 
 /// The values of a pass's numbers, by the names of the `override`s in its shader.
 fn numbers(pass: &Pass, shader: &Shader) -> BTreeMap<String, f64> {
-    let mut set = BTreeMap::new();
+    let mut set = pass.numbers.clone();
     for (slot, filling) in &pass.slots {
         filling.numbers_below(slot, &mut set);
     }

@@ -8,9 +8,16 @@ use meniscus_source::{Diagnostic, Report};
 
 use crate::compose::{Composer, Output, Recipe, Stage};
 use crate::library::{Library, Module, Role};
-use crate::{instance, ir, text};
+use crate::{contract, instance, ir, text};
 
 impl Composer {
+    /// Checks numbers that a pass gives its skeleton: that they are declared, in range, and of
+    /// their type. Those of fillings are checked when they are composed.
+    pub fn check_numbers(&self, skeleton: &str, numbers: &BTreeMap<String, Spanned<f64>>) -> Report {
+        let module = self.library().get(skeleton);
+        module.map_or_else(Report::default, |m| contract::check_numbers(m, numbers))
+    }
+
     /// Checks one module with what it needs, its slots filled by their default bodies: that it is
     /// valid WGSL, that it needs what it uses, that it fills its slot. Needs that it does not use
     /// are warned of. For a skeleton, the entry points with all its outputs are checked too.

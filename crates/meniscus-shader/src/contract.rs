@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use meniscus_source::ron::Spanned;
 use meniscus_source::{Diagnostic, Place, Report};
 
 use crate::filling::Filling;
@@ -102,48 +103,7 @@ impl<'l> Resolver<'l, '_> {
     }
 
     pub fn check_numbers(&mut self, module: &Module, filling: &Filling) {
-        for (name, value) in &filling.numbers {
-            let report = |report: &mut Report, diagnostic: Diagnostic, words: &str| {
-                report.add(match &value.place {
-                    Some(place) => diagnostic.at(place, words),
-                    None => diagnostic,
-                });
-            };
-            if !module.overrides().any(|item| item.name == *name) {
-                let known = module.overrides().map(|item| item.name.as_str());
-                let unknown =
-                    Diagnostic::error(format!("`{}` has no number `{name}`", module.path))
-                        .with_suggestion(name, known);
-                report(&mut self.report, unknown, "unknown number");
-                continue;
-            }
-            let number = module.header.number(name);
-            let ty = match module.item(name).map(|item| &item.kind) {
-                Some(ItemKind::Override { ty }) => ty.as_str(),
-                _ => "",
-            };
-            let (low, high) = range_of_type(ty);
-            let least = number.map_or(low, |n| n.least.max(low));
-            let most = number.map_or(high, |n| n.most.min(high));
-            if !(least..=most).contains(&value.value) {
-                let unit = number
-                    .filter(|n| !n.unit.is_empty())
-                    .map_or(String::new(), |n| format!(" {}", n.unit));
-                let wrong = Diagnostic::error(format!(
-                    "`{name}` of `{}` goes from {least} to {most}{unit}",
-                    module.path
-                ));
-                report(
-                    &mut self.report,
-                    wrong,
-                    &format!("{} is outside", value.value),
-                );
-            } else if matches!(ty, "i32" | "u32") && value.value.fract() != 0.0 {
-                let wrong =
-                    Diagnostic::error(format!("`{name}` of `{}` is a whole number", module.path));
-                report(&mut self.report, wrong, &format!("{} is none", value.value));
-            }
-        }
+        self.report.extend(check_numbers(module, &filling.numbers));
     }
 
     /// What is filled must be a slot: of the module, or one that something within may ask for.
@@ -256,4 +216,53 @@ fn range_of_type(ty: &str) -> (f64, f64) {
         "u32" => (0.0, f64::from(u32::MAX)),
         _ => (f64::from(f32::MIN), f64::from(f32::MAX)),
     }
+}
+
+/// Numbers must be declared by their module, lie in its range, and fit their type.
+pub(crate) fn check_numbers(module: &Module, numbers: &BTreeMap<String, Spanned<f64>>) -> Report {
+    let mut found = Report::default();
+
+    for (name, value) in numbers {
+        let report = |report: &mut Report, diagnostic: Diagnostic, words: &str| {
+            report.add(match &value.place {
+                Some(place) => diagnostic.at(place, words),
+                None => diagnostic,
+            });
+        };
+        if !module.overrides().any(|item| item.name == *name) {
+            let known = module.overrides().map(|item| item.name.as_str());
+            let unknown =
+                Diagnostic::error(format!("`{}` has no number `{name}`", module.path))
+                    .with_suggestion(name, known);
+            report(&mut found, unknown, "unknown number");
+            continue;
+        }
+        let number = module.header.number(name);
+        let ty = match module.item(name).map(|item| &item.kind) {
+            Some(ItemKind::Override { ty }) => ty.as_str(),
+            _ => "",
+        };
+        let (low, high) = range_of_type(ty);
+        let least = number.map_or(low, |n| n.least.max(low));
+        let most = number.map_or(high, |n| n.most.min(high));
+        if !(least..=most).contains(&value.value) {
+            let unit = number
+                .filter(|n| !n.unit.is_empty())
+                .map_or(String::new(), |n| format!(" {}", n.unit));
+            let wrong = Diagnostic::error(format!(
+                "`{name}` of `{}` goes from {least} to {most}{unit}",
+                module.path
+            ));
+            report(
+                &mut found,
+                wrong,
+                &format!("{} is outside", value.value),
+            );
+        } else if matches!(ty, "i32" | "u32") && value.value.fract() != 0.0 {
+            let wrong =
+                Diagnostic::error(format!("`{name}` of `{}` is a whole number", module.path));
+            report(&mut found, wrong, &format!("{} is none", value.value));
+        }
+    }
+    found
 }

@@ -1,12 +1,13 @@
 //! Several pipelines beside each other and beside the truth: time and error in one run.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::UVec2;
 use meniscus_gpu::{self as gpu, FrameTiming, Gpu, GpuError, PipelineCache, SceneBuffers};
 use meniscus_measure::{
     Comparison, Counters, Judgement, MeasureError, PassMs, Picture, Results, Row, Timer, Timing,
-    TruthGeometry, median, relative_time,
+    TruthGeometry, Verdict, median, relative_time,
 };
 use meniscus_pipeline::Pipeline;
 use meniscus_reference::{Tracer, Truth};
@@ -106,6 +107,8 @@ pub struct RowOutcome {
     pub colours: Vec<[f32; 3]>,
     /// World point and object id of which the colour is displayed.
     pub shown: Vec<[f32; 4]>,
+    /// Pixels that the pipeline listed, by the name of the list.
+    pub lists: BTreeMap<String, Vec<bool>>,
     /// What the comparison says of each pixel.
     pub judgement: Judgement,
 }
@@ -215,6 +218,31 @@ impl Ablation {
         Ok(timings)
     }
 
+    /// Of every list: the share of the judged pixels that it holds, and of those that it does not
+    /// hold, the share with errors beyond half a pixel and with wrong objects. That tells how far
+    /// the estimate can be trusted by which the list was made.
+    fn list_errors(&self, outcome: &RowOutcome) -> Map<String, Value> {
+        let share = |part: usize, whole: usize| part as f64 / whole.max(1) as f64;
+        let mut found = Map::new();
+        for (name, list) in &outcome.lists {
+            let [mut judged, mut listed, mut far, mut wrong] = [0usize; 4];
+            for (verdict, is_listed) in outcome.judgement.verdicts.iter().zip(list) {
+                let Verdict::Error { px, wrong_object, .. } = verdict else { continue };
+                judged += 1;
+                listed += usize::from(*is_listed);
+                far += usize::from(!is_listed && *px > 0.5);
+                wrong += usize::from(!is_listed && *wrong_object);
+            }
+            let figures = json!({
+                "listed": share(listed, judged),
+                "unlisted_beyond_half_px": share(far, judged),
+                "unlisted_wrong_object": share(wrong, judged),
+            });
+            found.insert(name.clone(), figures);
+        }
+        found
+    }
+
     fn row(
         &self,
         subject: &Subject,
@@ -268,7 +296,13 @@ impl Ablation {
             .passes
             .iter()
             .map(|p| (p.name.clone(), json!(p.shader.hash)));
+        for (name, list) in &outcome.lists {
+            more.insert(name.clone(), json!(list.iter().filter(|listed| **listed).count()));
+        }
         let mut row_more = Map::new();
+        if !outcome.lists.is_empty() {
+            row_more.insert("lists".into(), json!(self.list_errors(outcome)));
+        }
         row_more.insert("shaders".into(), Value::Object(hashes.collect()));
         row_more.insert("not_finite_pixels".into(), json!(outcome.not_finite()));
         Ok(Row {
@@ -331,6 +365,7 @@ impl<'a> Judging<'a> {
         let shown = subject.shown(stage)?;
         let points = subject::seen(&shown);
         let projected = truth::project(&points, self.truth, self.scene, &self.view);
+        let lists = subject.lists(self.size)?;
         let judgement = Comparison {
             size: self.size,
             border_px: self.border,
@@ -352,6 +387,7 @@ impl<'a> Judging<'a> {
         Ok(RowOutcome {
             colours,
             shown,
+            lists,
             judgement,
         })
     }

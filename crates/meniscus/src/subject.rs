@@ -1,5 +1,6 @@
 //! A pipeline made ready on a GPU.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::UVec2;
@@ -49,6 +50,25 @@ impl Subject {
         self.frame.render()?;
         let pixels = self.frame.read(&self.frame.plan().output)?;
         Ok(pixels.data.chunks_exact(pixels.channels).map(rgb).collect())
+    }
+
+    /// The pixels that the last frame listed, by the name of the list.
+    pub fn lists(&self, [width, height]: [u32; 2]) -> Result<BTreeMap<String, Vec<bool>>, AblationError> {
+        let mut lists = BTreeMap::new();
+        for (name, buffer) in &self.frame.plan().lists {
+            let bytes = self.frame.read_buffer(buffer)?;
+            let mut words = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+            let count = words.next().unwrap_or(0) as usize;
+            let mut listed = vec![false; width as usize * height as usize];
+            for pixel in words.take(count) {
+                let (x, y) = (pixel & 0xffff, pixel >> 16);
+                if x < width && y < height {
+                    listed[(y * width + x) as usize] = true;
+                }
+            }
+            lists.insert(name.clone(), listed);
+        }
+        Ok(lists)
     }
 
     /// Renders, in a frame of its own that is gone afterwards, which points the colours show.

@@ -176,6 +176,7 @@ pub fn plan(
             .iter()
             .map(|&(name, buffer)| (name.to_owned(), buffer))
             .collect(),
+        lists: BTreeMap::new(),
         passes,
         output,
         shown: None,
