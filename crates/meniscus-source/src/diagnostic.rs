@@ -157,6 +157,9 @@ impl Diagnostic {
     }
 }
 
+/// The most messages that are shown at once: nobody reads more, and each shows its lines.
+const MAX_SHOWN: usize = 50;
+
 /// Messages of one undertaking, all of them rather than the first.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Report(pub Vec<Diagnostic>);
@@ -199,6 +202,9 @@ impl From<Diagnostic> for Report {
 impl std::fmt::Display for Report {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         for (index, diagnostic) in self.0.iter().enumerate() {
+            if index == MAX_SHOWN {
+                return writeln!(f, "\n… and {} more", self.0.len() - MAX_SHOWN);
+            }
             if index > 0 {
                 writeln!(f)?;
             }

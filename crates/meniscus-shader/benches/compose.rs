@@ -1,0 +1,138 @@
+//! How long composition takes, beside naga alone and naga_oil on the same parts.
+//!
+//! `cargo bench -p meniscus-shader --features compare --bench compose`
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::sync::Arc;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use meniscus_shader::{Composer, Filling, Library, Output, Recipe, Shader, Stage};
+use meniscus_source::ron::Spanned;
+use meniscus_source::{SourceFile, read_tree};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga_oil::compose::{ComposableModuleDescriptor, ImportDefinition, NagaModuleDescriptor, ShaderLanguage};
+
+type Sources = Vec<(String, Arc<SourceFile>)>;
+
+fn sources() -> Sources {
+    read_tree(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shader-modules"), "wgsl").expect("the modules can be read")
+}
+
+fn library(sources: &Sources) -> Library {
+    let (library, report) = Library::new(sources.iter().map(|(path, file)| (path.as_str(), file.clone())));
+    assert!(report.is_ok(), "{report}");
+    library
+}
+
+/// The narrow phase of `refraction/combined`, the largest shader that needs no list.
+fn recipe() -> Recipe {
+    let unplaced = |text: &str| Spanned::unplaced(text.to_owned());
+    let fillings = [
+        ("deflect", "optics/refracted_ray"),
+        ("intersect", "geometry/tangent_plane"),
+        ("reproject", "screen/through_flat_water"),
+        ("colour", "screen/resampled"),
+    ];
+    Recipe {
+        skeleton: unplaced("passes/redirect"),
+        slots: fillings.map(|(slot, path)| (slot.to_owned(), Filling::plain(unplaced(path)))).into(),
+        reads: BTreeMap::new(),
+        outputs: vec![Output { name: unplaced("colour"), format: "rgba16float".into() }],
+        facts: BTreeSet::from(["waves".to_owned()]),
+        stage: Stage::Render,
+    }
+}
+
+/// The parts of a composed text, as naga_oil modules that import each other's names.
+fn oil_parts(shader: &Shader) -> Vec<(String, String, Vec<ImportDefinition>)> {
+    let mut parts: Vec<(String, String)> = Vec::new();
+    for part in shader.text.split("// ---- ").skip(1) {
+        let (name, text) = part.split_once('\n').expect("a part has a first line");
+        // The entry points belong to the skeleton: a shader's own file.
+        match parts.last_mut() {
+            Some((_, skeleton)) if name == "entry points" => skeleton.push_str(text),
+            _ => parts.push((name.split(' ').next().unwrap_or(name).replace('/', "::"), text.to_owned())),
+        }
+    }
+    let names = |text: &str| -> Vec<String> {
+        text.lines()
+            .filter_map(|line| {
+                let line = line.split_once(") var").map_or(line, |(_, rest)| rest);
+                let rest = ["fn ", "struct ", "const ", "override ", "<uniform> ", "<storage, read> ", " "]
+                    .iter()
+                    .find_map(|start| line.strip_prefix(start).filter(|_| !line.starts_with("  ")))?;
+                Some(rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect())
+            })
+            .collect()
+    };
+    let mut made = Vec::new();
+    for (index, (path, text)) in parts.iter().enumerate() {
+        let words: BTreeSet<&str> = text.split(|c: char| !(c.is_alphanumeric() || c == '_')).collect();
+        let mut imports = Vec::new();
+        let mut header = if index + 1 < parts.len() { format!("#define_import_path {path}\n") } else { String::new() };
+        for (other, theirs) in &parts[..index] {
+            let used: Vec<String> = names(theirs).into_iter().filter(|name| words.contains(name.as_str())).collect();
+            if !used.is_empty() {
+                header.push_str(&format!("#import {other}::{{{}}}\n", used.join(", ")));
+                imports.push(ImportDefinition { import: other.clone(), items: used });
+            }
+        }
+        made.push((path.clone(), header + text, imports));
+    }
+    made
+}
+
+fn oil(parts: &[(String, String, Vec<ImportDefinition>)]) {
+    let mut composer = naga_oil::compose::Composer::default();
+    let (last, modules) = parts.split_last().expect("a shader has parts");
+    for (path, source, _) in modules {
+        composer
+            .add_composable_module(ComposableModuleDescriptor {
+                source,
+                file_path: path,
+                language: ShaderLanguage::Wgsl,
+                ..Default::default()
+            })
+            .unwrap_or_else(|error| panic!("{path}: {error}\n{source}"));
+    }
+    let module = composer
+        .make_naga_module(NagaModuleDescriptor { source: &last.1, file_path: &last.0, ..Default::default() })
+        .unwrap_or_else(|error| panic!("{error}"));
+    std::hint::black_box(module);
+}
+
+fn flat(text: &str) -> naga::valid::ModuleInfo {
+    let module = naga::front::wgsl::parse_str(text).expect("the text parses");
+    Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).expect("the module is valid")
+}
+
+fn benchmarks(criterion: &mut Criterion) {
+    let sources = sources();
+    let recipe = recipe();
+    let read = || Composer::new(library(&sources));
+    let shader = read().compose(&recipe).unwrap_or_else(|report| panic!("{report}"));
+    let parts = oil_parts(&shader);
+    eprintln!(
+        "{} modules in the library, {} parts and {} lines in the shader",
+        sources.len(),
+        parts.len(),
+        shader.text.lines().count()
+    );
+    let composer = read();
+    let text = shader.text.clone();
+    criterion.bench_function("naga alone: parse and validate the flat text", |b| b.iter(|| flat(&text)));
+    criterion.bench_function("meniscus: compose, the library read before", |b| {
+        b.iter_batched(|| Composer::new(library(&sources)), |composer| composer.compose(&recipe).map(|s| s.hash.len()), criterion::BatchSize::SmallInput);
+    });
+    criterion.bench_function("meniscus: read all modules and compose", |b| b.iter(|| read().compose(&recipe).map(|s| s.hash.len())));
+    criterion.bench_function("meniscus: compose again what is kept", |b| b.iter(|| composer.compose(&recipe).map(|s| s.hash.len())));
+    criterion.bench_function("naga_oil: compose the same parts", |b| b.iter(|| oil(&parts)));
+}
+
+criterion_group! {
+    name = all;
+    config = Criterion::default().sample_size(30).measurement_time(std::time::Duration::from_secs(4));
+    targets = benchmarks
+}
+criterion_main!(all);
