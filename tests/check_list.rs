@@ -115,7 +115,9 @@ fn changes_show_in_composed_shaders() {
 #[test]
 fn every_command_has_help_that_tells_of_each_option() {
     let help = meniscus(["--help"]).done();
-    for command in ["list", "check", "compose", "render", "ablate", "adapters"] {
+    for command in [
+        "list", "check", "compose", "render", "ablate", "compare", "adapters",
+    ] {
         assert!(help.contains(command), "{help}");
         let help = meniscus([command, "--help"]).done();
         let options = help.lines().filter(|l| l.trim_start().starts_with("--"));
