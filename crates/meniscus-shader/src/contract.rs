@@ -229,6 +229,11 @@ pub(crate) fn check_numbers(module: &Module, numbers: &BTreeMap<String, Spanned<
                 None => diagnostic,
             });
         };
+        if module.header.slots.iter().any(|slot| slot.name.text == *name) {
+            let wrong = Diagnostic::error(format!("the slot `{name}` wants a module"));
+            report(&mut found, wrong, "a number");
+            continue;
+        }
         if !module.overrides().any(|item| item.name == *name) {
             let known = module.overrides().map(|item| item.name.as_str());
             let unknown =
