@@ -44,6 +44,13 @@ fn distance_within(grid: DistanceGrid, place: vec3f) -> bool {
     return all(place == clamp(place, vec3f(0.0), grid.size - 1.0));
 }
 
+// How far a ray goes until it leaves a grid. `inverse`: of its direction, finite.
+fn distance_leaving(grid: DistanceGrid, place: vec3f, inverse: vec3f) -> f32 {
+    let ends = select(vec3f(0.0), grid.size - 1.0, inverse > vec3f(0.0));
+    let ways = (ends - place) * grid.voxel * inverse;
+    return max(min(min(ways.x, ways.y), ways.z), 0.0);
+}
+
 // The grid to look in: the finer one where it reaches.
 fn distance_grid(point: vec3f) -> DistanceGrid {
     let finer = distance_grids[0];
@@ -98,6 +105,8 @@ fn distance_normal(grid: DistanceGrid, point: vec3f, otherwise: vec3f) -> vec3f 
 }
 
 fn intersect(ray: Ray, texel: vec2f) -> Hit {
+    let still = abs(ray.direction) < vec3f(1e-9);
+    let inverse = 1.0 / select(ray.direction, vec3f(1e-9), still);
     var before = 0.0;
     var gap_before = 0.0;
     var t = 0.0;
@@ -106,12 +115,15 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
     for (var i = 0; i < march_steps && gap > 0.0 && within; i++) {
         let point = ray.origin + t * ray.direction;
         let grid = distance_grid(point);
-        within = distance_within(grid, distance_place(grid, point));
+        let place = distance_place(grid, point);
+        within = distance_within(grid, place);
         gap = select(gap, distance_at(grid, point), within);
         if gap > 0.0 {
             before = t;
             gap_before = gap;
-            t += max(gap, least_step * grid.voxel);
+            // A grid knows nothing of what is beyond it.
+            let leaving = distance_leaving(grid, place, inverse) + 0.01 * grid.voxel;
+            t += min(max(gap, least_step * grid.voxel), leaving);
         }
     }
     if gap > 0.0 {

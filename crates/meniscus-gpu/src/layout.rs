@@ -124,11 +124,16 @@ pub(crate) fn array_bytes(
 
 /// One member of all elements of an array.
 pub(crate) enum Column<'a> {
+    F32(Box<dyn Fn(usize) -> f32 + 'a>),
     U32(Box<dyn Fn(usize) -> u32 + 'a>),
     Vec3(Box<dyn Fn(usize) -> glam::Vec3 + 'a>),
 }
 
 impl<'a> Column<'a> {
+    pub fn f32(value: impl Fn(usize) -> f32 + 'a) -> Self {
+        Self::F32(Box::new(value))
+    }
+
     pub fn u32(value: impl Fn(usize) -> u32 + 'a) -> Self {
         Self::U32(Box::new(value))
     }
@@ -140,6 +145,7 @@ impl<'a> Column<'a> {
     /// Any value of its type.
     fn sample(&self) -> Value {
         match self {
+            Self::F32(_) => Value::F32(0.0),
             Self::U32(_) => Value::U32(0),
             Self::Vec3(_) => Value::Vec3([0.0; 3]),
         }
@@ -182,6 +188,11 @@ pub(crate) fn column_bytes<'a>(
         let offset = member.offset as usize;
         let elements = bytes.chunks_exact_mut(stride).enumerate();
         match column {
+            Column::F32(value) => {
+                for (index, element) in elements {
+                    element[offset..offset + 4].copy_from_slice(bytemuck::bytes_of(&value(index)));
+                }
+            }
             Column::U32(value) => {
                 for (index, element) in elements {
                     element[offset..offset + 4].copy_from_slice(bytemuck::bytes_of(&value(index)));

@@ -12,6 +12,7 @@ mod bindings;
 mod bvh;
 mod compute;
 mod counters;
+mod distance_field;
 mod error;
 mod formats;
 mod frame;

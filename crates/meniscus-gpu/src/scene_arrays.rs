@@ -5,12 +5,13 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use glam::Vec3;
 use meniscus_pipeline::PlannedPass;
-use meniscus_scene::Mesh;
+use meniscus_scene::{Mesh, Scene};
 use meniscus_shader::Binding;
 use naga::{Handle, Type};
 use wgpu::util::DeviceExt;
 
 use crate::bvh::{Bvh, Node};
+use crate::distance_field::DistanceField;
 use crate::layout::{self, Column};
 use crate::{Gpu, GpuError};
 
@@ -18,7 +19,10 @@ use crate::{Gpu, GpuError};
 #[derive(Debug)]
 pub(crate) struct SceneArrays {
     mesh: Mesh,
+    /// The water's level, and how far above it its waves reach at most; metres.
+    water: [f32; 2],
     tracing: OnceLock<Tracing>,
+    distances: OnceLock<DistanceField>,
     uploaded: Mutex<Vec<Uploaded>>,
 }
 
@@ -46,23 +50,30 @@ struct Triangle {
 }
 
 impl SceneArrays {
-    /// Of a mesh whose corners are finite and their indices in range.
-    pub fn new(mesh: &Mesh) -> Self {
+    /// Of a scene with a mesh whose corners are finite and their indices in range.
+    pub fn new(scene: &Scene) -> Self {
         Self {
-            mesh: mesh.clone(),
+            mesh: scene.mesh.clone(),
+            water: [scene.water.level, scene.water.height_bound()].map(|z| z as f32),
             tracing: OnceLock::new(),
+            distances: OnceLock::new(),
             uploaded: Mutex::default(),
         }
     }
 
     /// Whether there is an array of this name.
     pub fn has(array: &str) -> bool {
-        matches!(array, "triangles" | "bvh_nodes")
+        matches!(array, "triangles" | "bvh_nodes") || is_of_distances(array)
     }
 
     /// How long the tree took to build, milliseconds; none while nothing has asked for it.
     pub fn build_ms(&self) -> Option<f64> {
         self.tracing.get().map(|tracing| tracing.bvh.build_ms)
+    }
+
+    /// How long the distances took to measure, milliseconds; none while nothing has asked for them.
+    pub fn distance_field_ms(&self) -> Option<f64> {
+        self.distances.get().map(|field| field.build_ms)
     }
 
     /// Bytes that are uploaded.
@@ -89,15 +100,24 @@ impl SceneArrays {
         if let Some(known) = held.iter().find(same) {
             return Ok(known.buffer.clone());
         }
-        let tracing = self.tracing.get_or_init(|| Tracing::new(&self.mesh));
-        let column = |member: &str| tracing.column(array, member);
-        let bytes = layout::column_bytes(&pass.shader.module, ty, tracing.length(array), column)
-            .map_err(|problem| {
-                GpuError::Plan(format!(
-                    "pass `{}` cannot read `{array}`: {problem}",
-                    pass.name
-                ))
-            })?;
+        let module = &pass.shader.module;
+        let bytes = if is_of_distances(array) {
+            let [level, waves] = self.water;
+            let field = || DistanceField::new(&self.mesh, level, waves);
+            let field = self.distances.get_or_init(field);
+            let column = |member: &str| field.column(array, member);
+            layout::column_bytes(module, ty, field.length(array), column)
+        } else {
+            let tracing = self.tracing.get_or_init(|| Tracing::new(&self.mesh));
+            let column = |member: &str| tracing.column(array, member);
+            layout::column_bytes(module, ty, tracing.length(array), column)
+        }
+        .map_err(|problem| {
+            GpuError::Plan(format!(
+                "pass `{}` cannot read `{array}`: {problem}",
+                pass.name
+            ))
+        })?;
         let limits = gpu.device().limits();
         let limit = limits
             .max_buffer_size
@@ -129,6 +149,36 @@ impl SceneArrays {
     fn held(&self) -> std::sync::MutexGuard<'_, Vec<Uploaded>> {
         // Nothing is left half done by a thread that ended while it held the lock.
         self.uploaded.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Whether an array is part of the distance field.
+fn is_of_distances(array: &str) -> bool {
+    matches!(
+        array,
+        "distance_grids" | "distance_voxels" | "distance_objects"
+    )
+}
+
+impl DistanceField {
+    fn length(&self, array: &str) -> usize {
+        match array {
+            "distance_grids" => self.grids.len(),
+            _ => self.distances.len(),
+        }
+    }
+
+    fn column(&self, array: &str, member: &str) -> Option<Column<'_>> {
+        let g = &self.grids;
+        Some(match (array, member) {
+            ("distance_grids", "low") => Column::vec3(|i| g[i].low),
+            ("distance_grids", "size") => Column::vec3(|i| g[i].size.as_vec3()),
+            ("distance_grids", "voxel") => Column::f32(|i| g[i].voxel),
+            ("distance_grids", "first") => Column::u32(|i| g[i].first),
+            ("distance_voxels", "distance") => Column::f32(|i| self.distances[i]),
+            ("distance_objects", "object") => Column::u32(|i| self.objects[i]),
+            _ => return None,
+        })
     }
 }
 
@@ -228,16 +278,18 @@ mod tests {
 
     #[test]
     fn every_listed_member_has_a_column_of_its_type() {
+        let field = DistanceField::new(&Mesh::default(), 0.0, 0.0);
         for tracing in [arrays(), Tracing::new(&Mesh::default())] {
             for (array, members) in host::ARRAYS {
                 for (member, ty) in members.iter().filter(|_| SceneArrays::has(array)) {
                     let column = tracing.column(array, member);
-                    let found = match column.unwrap() {
+                    let found = match column.or(field.column(array, member)).unwrap() {
+                        Column::F32(_) => ValueType::F32,
                         Column::Vec3(_) => ValueType::Vec3,
                         Column::U32(_) => ValueType::U32,
                     };
                     assert_eq!(found, *ty, "{array}.{member}");
-                    assert!(tracing.length(array) > 0);
+                    assert!(tracing.length(array) > 0 && field.length(array) > 0);
                 }
             }
         }

@@ -73,7 +73,7 @@ impl SceneBuffers {
         };
         Ok(Self {
             host: HostScene::new(scene),
-            arrays: SceneArrays::new(&scene.mesh),
+            arrays: SceneArrays::new(scene),
             band,
             triangles: scene.mesh.triangles.len(),
             heights: heights(scene),
@@ -93,6 +93,12 @@ impl SceneBuffers {
     /// frame of this scene has asked for it.
     pub fn build_ms(&self) -> Option<f64> {
         self.arrays.build_ms()
+    }
+
+    /// How long it took to measure distances to the triangles (`distance_voxels`), milliseconds;
+    /// none while no frame of this scene has asked for them.
+    pub fn distance_field_ms(&self) -> Option<f64> {
+        self.arrays.distance_field_ms()
     }
 
     /// The arrays that are made of the triangles.
