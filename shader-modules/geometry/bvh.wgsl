@@ -22,13 +22,6 @@ const MOST_NODES = 4096;
 const STACK = 32;
 const MOST_IN_A_LEAF = 4u;
 
-// A node that is yet to be visited, and where the ray enters it.
-struct Open {
-    first: u32,
-    count: u32,
-    entry: f32,
-}
-
 struct Nearest {
     distance: f32,
     weights: vec3f,
@@ -39,18 +32,21 @@ fn nearest_triangle(ray: Ray) -> Nearest {
     let sheared = sheared_ray(ray);
     let inverse = box_inverse(ray.direction);
     var nearest = Nearest(1e30, vec3f(0.0), 0u);
-    var stack: array<Open, STACK>;
+    // Nodes that are yet to be visited, 8 · first + count, and where the ray enters them.
+    var stack: array<u32, STACK>;
+    var entries: array<f32, STACK>;
     var top = 0;
     let root = bvh_nodes[0];
-    var node = Open(root.first, root.count, 0.0);
+    var first = root.first;
+    var count = root.count;
     for (var visit = 0; visit < MOST_NODES; visit++) {
         var descends = false;
-        if node.count > 0u {
+        if count > 0u {
             for (var i = 0u; i < MOST_IN_A_LEAF; i++) {
-                if i >= node.count {
+                if i >= count {
                     break;
                 }
-                let index = node.first + i;
+                let index = first + i;
                 let triangle = triangles[index];
                 let hit = triangle_hit(sheared, triangle.first, triangle.second, triangle.third);
                 if hit.found && hit.distance >= 0.0 && hit.distance < nearest.distance {
@@ -58,32 +54,28 @@ fn nearest_triangle(ray: Ray) -> Nearest {
                 }
             }
         } else {
-            let left = bvh_nodes[node.first];
-            let right = bvh_nodes[node.first + 1u];
+            let left = bvh_nodes[first];
+            let right = bvh_nodes[first + 1u];
             let to_left = box_entry(ray.origin, inverse, left.low, left.high, nearest.distance);
             let to_right = box_entry(ray.origin, inverse, right.low, right.high, nearest.distance);
             let swapped = to_right < to_left;
             let far_entry = max(to_left, to_right);
             if far_entry < 1e30 && top < STACK {
-                stack[top] = Open(
-                    select(right.first, left.first, swapped),
-                    select(right.count, left.count, swapped),
-                    far_entry,
-                );
+                let far_first = select(right.first, left.first, swapped);
+                stack[top] = (far_first << 3u) | select(right.count, left.count, swapped);
+                entries[top] = far_entry;
                 top++;
             }
-            node = Open(
-                select(left.first, right.first, swapped),
-                select(left.count, right.count, swapped),
-                min(to_left, to_right),
-            );
-            descends = node.entry < 1e30;
+            first = select(left.first, right.first, swapped);
+            count = select(left.count, right.count, swapped);
+            descends = min(to_left, to_right) < 1e30;
         }
         // What waits on the stack may lie behind what has been met since.
         for (var i = 0; i < STACK && !descends && top > 0; i++) {
             top--;
-            node = stack[top];
-            descends = node.entry <= nearest.distance;
+            descends = entries[top] <= nearest.distance;
+            first = stack[top] >> 3u;
+            count = stack[top] & 7u;
         }
         if !descends {
             break;
