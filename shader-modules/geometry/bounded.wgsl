@@ -6,6 +6,7 @@
 // needs: geometry/ray, geometry/hit
 // slots: first: intersect, then: intersect
 // number bound_px: 0 to 64 px, step 0.05
+// domain: intersect(texel -100 to 1e4)
 
 override bound_px: f32 = 0.25;
 

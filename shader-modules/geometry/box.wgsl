@@ -2,6 +2,9 @@
 // The slab test; Ize 2013, "Robust BVH Ray Traversal", JCGT 2(2): the far distance is enlarged by
 // the rounding of both, so that no box is missed which a triangle on its face fills. World space,
 // metres.
+//
+// domain: box_inverse(direction unit)
+// domain: box_entry(origin -1e4 to 1e4, inverse -1e20 to 1e20, low -1e4 to 1e4, high -1e4 to 1e4, farthest 0 to 1e30)
 
 // 1 / direction, finite: a ray along an axis plane is taken to leave it very far away.
 fn box_inverse(direction: vec3f) -> vec3f {

@@ -1,6 +1,9 @@
 // Unit vectors as two numbers in [−1, 1].
 // Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors", the
 // octahedral map. The zero vector becomes (0, 0, 1).
+//
+// domain: octahedral_encoded(v unit)
+// domain: octahedral_decoded(e -1 to 1)
 
 // Signs, with 1 for zero.
 fn octahedral_signs(v: vec2f) -> vec2f {

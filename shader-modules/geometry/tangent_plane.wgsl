@@ -12,6 +12,7 @@
 // slots: reproject, seen
 // number probes: 0 to 8, step 1
 // number first_probe: 0.001 to 100 m, step 0.01
+// domain: intersect(texel -100 to 1e4)
 
 override probes: i32 = 6;
 override first_probe: f32 = 0.1;

@@ -6,6 +6,7 @@
 // are not met; nothing that is met is infinite or undefined.
 //
 // needs: geometry/ray
+// domain: sheared_ray()
 
 // A ray made ready for many tests: z is the axis that its direction is longest along.
 struct ShearedRay {

@@ -3,6 +3,7 @@
 //
 // provides: place
 // needs: optics/flat_water, screen/target
+// domain: place(point -1e4 to 1e4)
 
 fn place(point: vec3f) -> vec3f {
     return apparent_point(point, view_target.eye);

@@ -5,6 +5,7 @@
 // provides: deflect
 // needs: geometry/ray, optics/deflected
 // number strength: 0 to 4, step 0.05
+// domain: deflect(normal unit)
 
 override strength: f32 = 0.25;
 

@@ -4,6 +4,7 @@
 //
 // provides: place
 // needs: optics/flat_water, screen/target, water/body
+// domain: place(point -1e4 to 1e4)
 
 fn place(point: vec3f) -> vec3f {
     let path = flat_path(point, view_target.eye);

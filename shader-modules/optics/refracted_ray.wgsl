@@ -3,6 +3,7 @@
 //
 // provides: deflect
 // needs: geometry/ray, optics/deflected, optics/snell, water/body
+// domain: deflect(normal unit)
 
 fn deflect(incident: Ray, normal: vec3f) -> Deflected {
     let behind = refracted(incident.direction, normal, water.relative_index);

@@ -4,6 +4,7 @@
 //
 // provides: deflect
 // needs: geometry/ray, geometry/rotation, optics/deflected
+// domain: deflect(normal unit)
 
 fn deflect(incident: Ray, normal: vec3f) -> Deflected {
     let up = vec3f(0.0, 0.0, 1.0);

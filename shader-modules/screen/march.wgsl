@@ -16,6 +16,7 @@
 // number march_steps: 1 to 4096, step 64
 // number refinements: 0 to 12, step 1
 // number reach: 0.1 to 1000 m, step 1
+// domain: intersect(texel -100 to 1e4)
 
 var seen_depth: texture_depth_2d;
 

@@ -8,6 +8,7 @@
 // needs: geometry/ray, geometry/hit, screen/neighbours, screen/seen_view
 // slots: side
 // requires: reproject = screen/plain, colour = screen/resampled
+// domain: intersect(texel -100 to 1e4)
 
 var seen_depth: texture_depth_2d;
 

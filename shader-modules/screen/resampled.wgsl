@@ -5,6 +5,8 @@
 //
 // provides: colour
 // needs: geometry/ray, geometry/hit, screen/neighbours, sky/gradient
+// domain: colour()
+// domain: shown()
 
 var seen_colour: texture_2d<f32>;
 var shown_of_seen_colour: texture_2d<f32>;

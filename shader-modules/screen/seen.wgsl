@@ -2,6 +2,7 @@
 // World space, metres; texels with centres at half integers. Where nothing was drawn the id is −1.
 //
 // needs: geometry/octahedral, screen/neighbours, screen/seen_point
+// domain: seen_at(texel -100 to 1e4)
 
 var seen_position: texture_2d<f32>;
 var seen_normal: texture_2d<f32>;

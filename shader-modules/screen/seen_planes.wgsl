@@ -4,6 +4,7 @@
 //
 // provides: seen
 // needs: geometry/octahedral, optics/snell, screen/neighbours, screen/seen_point, screen/seen_view, water/body
+// domain: seen(texel -100 to 1e4)
 
 // x: the bits of the plane's distance from the eye along its normal, metres. y, z: the geometric
 // and the shading normal, octahedral, as pairs of 16-bit numbers. w: object id + 1, 0 for none.

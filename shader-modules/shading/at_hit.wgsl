@@ -4,6 +4,7 @@
 // provides: colour
 // needs: geometry/ray, geometry/hit, shading/surface_point, sky/gradient
 // slots: shade
+// domain: shown()
 
 fn colour(hit: Hit, ray: Ray) -> vec3f {
     if !hit.found {

@@ -4,6 +4,7 @@
 //
 // provides: shade
 // needs: shading/light, shading/surface_point
+// domain: shade()
 
 struct Material {
     colour: vec3f,

@@ -2,6 +2,7 @@
 // Linear RGB.
 //
 // needs: shading/light
+// domain: sky_colour(direction unit)
 
 // Along a unit direction in world space.
 fn sky_colour(direction: vec3f) -> vec3f {

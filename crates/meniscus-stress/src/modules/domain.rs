@@ -150,7 +150,7 @@ impl Reader<'_> {
     }
 
     fn entry(&self, text: &str) -> Result<Entry, Diagnostic> {
-        let (range, near) = match text.split_once(" near ") {
+        let (range, near) = match text.trim().split_once(" near ") {
             Some((range, near)) => (range, Some(self.product(near)?)),
             None => (text, None),
         };
@@ -195,6 +195,9 @@ impl Reader<'_> {
     fn product(&self, text: &str) -> Result<Vec<Factor>, Diagnostic> {
         let mut factors = Vec::new();
         let mut inverse = false;
+        if text.trim().ends_with(['*', '/']) {
+            return Err(self.wrong(text, format!("`{}` lacks a factor", text.trim())));
+        }
         for part in text.split_inclusive(['*', '/']) {
             let next = part.ends_with('/');
             let word = part.trim_end_matches(['*', '/']).trim();

@@ -4,7 +4,7 @@
 use super::Host;
 
 /// Names of the truths.
-pub const TRUTHS: &[&str] = &["crossing", "refraction"];
+pub const TRUTHS: &[&str] = &["circle", "crossing", "refraction"];
 
 /// The solution of a name, for what the host says of water and view; none where there is none of
 /// that name.
@@ -14,6 +14,7 @@ pub fn truth(name: &str, host: &Host) -> Option<Box<crate::Truth<'static>>> {
             let index = host.number("water.larger_index")?;
             Some(Box::new(move |x| crossing(x[0], x[1], x[2], index)))
         }
+        "circle" => Some(Box::new(|x| vec![x[0].cos(), x[0].sin()])),
         "refraction" => Some(Box::new(refraction)),
         _ => None,
     }

@@ -71,6 +71,18 @@ impl Lab {
         self
     }
 
+    /// Which number of a function's result has a path such as `.position.x`.
+    #[track_caller]
+    pub fn leaf(&self, name: &str, path: &str) -> usize {
+        let function = self
+            .specimen
+            .function(name)
+            .unwrap_or_else(|e| panic!("{e}"));
+        let leaves = function.result().expect("a result").leaves();
+        let found = leaves.iter().position(|(leaf, _)| leaf == path);
+        found.unwrap_or_else(|| panic!("no {path} in {leaves:?}"))
+    }
+
     /// Calls a function, in as many lanes as its arguments have.
     #[track_caller]
     pub fn call<S: Scalar>(&self, name: &str, arguments: &[Lanes<S>]) -> Lanes<S> {
@@ -93,11 +105,6 @@ impl Lab {
 pub fn structure<S: Scalar>(members: &[Lanes<S>]) -> Lanes<S> {
     let columns = members.iter().flat_map(|m| m.columns.clone()).collect();
     Lanes { columns }
-}
-
-/// The same vector in every lane.
-pub fn same<S: Scalar>(value: DVec3, lanes: usize) -> Lanes<S> {
-    Lanes::vectors(&vec![value.as_vec3().to_array(); lanes])
 }
 
 pub fn vectors<S: Scalar>(values: &[DVec3]) -> Lanes<S> {

@@ -1,6 +1,10 @@
 //! Laws that the shader modules obey, evaluated on the CPU from the very WGSL that a GPU runs.
 
 mod crossing;
+mod domains;
 mod flat_water;
+mod geometry;
 mod lab;
 mod optics;
+mod screen;
+mod water;
