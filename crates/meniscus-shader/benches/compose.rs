@@ -66,6 +66,16 @@ fn oil_parts(shader: &Shader) -> Vec<(String, String, Vec<ImportDefinition>)> {
             })
             .collect()
     };
+    // naga_oil replaces the members of a struct that are called like an imported function, too.
+    let items: BTreeSet<String> = parts.iter().flat_map(|(_, text)| names(text)).collect();
+    for (_, text) in &mut parts {
+        for name in &items {
+            for end in [".", ";", ")", " ", ","] {
+                *text = text.replace(&format!(".{name}{end}"), &format!(".{name}_member{end}"));
+            }
+            *text = text.replace(&format!("\n    {name}: "), &format!("\n    {name}_member: "));
+        }
+    }
     let mut made = Vec::new();
     for (index, (path, text)) in parts.iter().enumerate() {
         let words: BTreeSet<&str> = text.split(|c: char| !(c.is_alphanumeric() || c == '_')).collect();
@@ -78,9 +88,21 @@ fn oil_parts(shader: &Shader) -> Vec<(String, String, Vec<ImportDefinition>)> {
                 imports.push(ImportDefinition { import: other.clone(), items: used });
             }
         }
-        made.push((path.clone(), header + text, imports));
+        made.push((path.clone(), header + &typed(text), imports));
     }
     made
+}
+
+/// naga_oil loses constants without a type.
+fn typed(text: &str) -> String {
+    let typed = |line: &str| match line.strip_prefix("const ").and_then(|rest| rest.split_once(" = ")) {
+        Some((name, value)) if value.starts_with(|c: char| c.is_ascii_digit()) => {
+            let ty = if value.ends_with("u;") { "u32" } else if value.contains(['.', 'e']) { "f32" } else { "i32" };
+            format!("const {name}: {ty} = {value}")
+        }
+        _ => line.to_owned(),
+    };
+    text.lines().map(|line| typed(line) + "\n").collect()
 }
 
 fn oil(parts: &[(String, String, Vec<ImportDefinition>)]) {

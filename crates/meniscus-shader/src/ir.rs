@@ -11,14 +11,24 @@ use crate::library::Library;
 use crate::shader::{Binding, BindingKind, Sample, Shader};
 use crate::text::Written;
 
-/// naga's parser recurses; hostile texts are given a stack that they cannot exhaust within the
-/// size that source files are limited to.
+/// naga's parser recurses; texts that nest deeply are given a stack that they cannot exhaust within
+/// the length of chain that is let through.
 const PARSER_STACK: usize = 64 << 20;
-/// The longest chain of operators or `else if`s that is handed to naga, which recurses on them.
+/// The longest chain of operators, accesses, brackets or `else if`s that is handed to naga.
 const MAX_CHAIN: usize = 1000;
+/// The longest that every thread's stack is good for: ten times less than what was seen to exhaust
+/// 2 MiB.
+const HARMLESS_CHAIN: usize = 150;
 
-/// Runs naga on a stack of its own.
-fn on_large_stack<T: Send>(run: impl FnOnce() -> Result<T, Report> + Send) -> Result<T, Report> {
+/// Runs naga, on a stack of its own if the text may need it. A panic of naga's is an error.
+fn run_naga<T: Send>(
+    chain: usize,
+    run: impl FnOnce() -> Result<T, Report> + Send,
+) -> Result<T, Report> {
+    let gave_up = |_| Err(Diagnostic::error("naga gave up on a shader without saying why").into());
+    if chain <= HARMLESS_CHAIN {
+        return std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).unwrap_or_else(gave_up);
+    }
     std::thread::scope(|scope| {
         std::thread::Builder::new()
             .stack_size(PARSER_STACK)
@@ -27,9 +37,7 @@ fn on_large_stack<T: Send>(run: impl FnOnce() -> Result<T, Report> + Send) -> Re
                 Report::from(Diagnostic::error(format!("cannot start a parser: {error}")))
             })?
             .join()
-            .unwrap_or_else(|_| {
-                Err(Diagnostic::error("naga gave up on a shader without saying why").into())
-            })
+            .unwrap_or_else(gave_up)
     })
 }
 
@@ -41,14 +49,19 @@ pub(crate) fn check(
     written: &Written,
     library: &Library,
 ) -> Result<(naga::Module, ModuleInfo), Report> {
-    check_chains(written)?;
-    on_large_stack(|| parse(written, library))
+    let chain = check_chains(written)?;
+    let unbound = ValidationFlags::all() - ValidationFlags::BINDINGS;
+    run_naga(chain, || {
+        let module = parse(written, library)?;
+        let info = validate(&module, unbound, written, library)?;
+        Ok((module, info))
+    })
 }
 
 pub(crate) fn shader(written: Written, library: &Library) -> Result<Shader, Report> {
-    check_chains(&written)?;
+    let chain = check_chains(&written)?;
     let text = written.source.text.as_str();
-    let (module, info, stages) = on_large_stack(|| finish(&written, library))?;
+    let (module, info, stages) = run_naga(chain, || finish(&written, library))?;
     let bindings = bindings(&module, &info, &written.resources, &stages);
     let overrides = written
         .overrides
@@ -62,7 +75,7 @@ pub(crate) fn shader(written: Written, library: &Library) -> Result<Shader, Repo
         .map(|(path, name)| (path.clone(), name.clone()))
         .collect();
     let hash = blake3::hash(text.as_bytes()).to_hex().to_string();
-    let text = with_bindings(text, &bindings);
+    let text = with_bindings(text, &written.variables, &bindings);
     Ok(Shader {
         module,
         info,
@@ -79,18 +92,15 @@ pub(crate) fn shader(written: Written, library: &Library) -> Result<Shader, Repo
 /// Which stages use a variable, by its name: vertex, fragment, compute.
 type Stages = BTreeMap<String, [bool; 3]>;
 
-fn parse(written: &Written, library: &Library) -> Result<(naga::Module, ModuleInfo), Report> {
-    let module = naga::front::wgsl::parse_str(&written.source.text).map_err(|error| {
+fn parse(written: &Written, library: &Library) -> Result<naga::Module, Report> {
+    naga::front::wgsl::parse_str(&written.source.text).map_err(|error| {
         let labels: Vec<_> = error
             .labels()
             .map(|(span, words)| (span.to_range(), words.to_owned()))
             .collect();
         let notes: Vec<_> = error.notes().map(str::to_owned).collect();
         explain(written, library, error.message(), labels, &notes)
-    })?;
-    let unbound = ValidationFlags::all() - ValidationFlags::BINDINGS;
-    let info = validate(&module, unbound, written, library)?;
-    Ok((module, info))
+    })
 }
 
 fn validate(
@@ -110,39 +120,47 @@ fn validate(
         })
 }
 
+/// Parses, prunes what no entry point uses, binds the resources that are left in the order of their
+/// names, and validates.
 fn finish(
     written: &Written,
     library: &Library,
 ) -> Result<(naga::Module, ModuleInfo, Stages), Report> {
-    let (mut module, info) = parse(written, library)?;
-    let stages = stages(&module, &info);
-    for (number, name) in stages.keys().enumerate() {
-        let found = module
-            .global_variables
-            .iter_mut()
-            .find(|(_, v)| v.name.as_ref() == Some(name));
-        if let Some((_, variable)) = found {
-            variable.binding = Some(naga::ResourceBinding {
-                group: 0,
-                binding: number as u32,
-            });
-        }
-    }
+    let mut module = parse(written, library)?;
     naga::compact::compact(&mut module, naga::compact::KeepUnused::No);
+    let mut resources: Vec<(&String, naga::Handle<naga::GlobalVariable>)> = module
+        .global_variables
+        .iter()
+        .filter(|(_, variable)| is_resource(variable))
+        .filter_map(|(handle, variable)| Some((variable.name.as_ref()?, handle)))
+        .collect();
+    resources.sort_unstable();
+    let handles: Vec<_> = resources.into_iter().map(|(_, handle)| handle).collect();
+    for (number, handle) in handles.into_iter().enumerate() {
+        module.global_variables.get_mut(handle).binding = Some(naga::ResourceBinding {
+            group: 0,
+            binding: number as u32,
+        });
+    }
     let info = validate(&module, ValidationFlags::all(), written, library)?;
+    let stages = stages(&module, &info);
     Ok((module, info, stages))
+}
+
+fn is_resource(variable: &naga::GlobalVariable) -> bool {
+    matches!(
+        variable.space,
+        naga::AddressSpace::Uniform
+            | naga::AddressSpace::Storage { .. }
+            | naga::AddressSpace::Handle
+    )
 }
 
 fn stages(module: &naga::Module, info: &ModuleInfo) -> Stages {
     let mut stages = Stages::new();
     for (handle, variable) in module.global_variables.iter() {
         let Some(name) = &variable.name else { continue };
-        let resource = matches!(
-            variable.space,
-            naga::AddressSpace::Uniform
-                | naga::AddressSpace::Storage { .. }
-                | naga::AddressSpace::Handle
-        );
+        let resource = is_resource(variable);
         for (index, entry) in module.entry_points.iter().enumerate() {
             if resource && info.get_entry_point(index)[handle] != GlobalUse::empty() {
                 let used = stages.entry(name.clone()).or_default();
@@ -217,20 +235,18 @@ fn bindings(
 }
 
 /// The text with the bindings that the IR has.
-fn with_bindings(text: &str, bindings: &[Binding]) -> String {
+fn with_bindings(text: &str, variables: &[(usize, String)], bindings: &[Binding]) -> String {
     let numbers: BTreeMap<&str, u32> = bindings
         .iter()
         .map(|b| (b.variable.as_str(), b.index))
         .collect();
     let mut bound = String::with_capacity(text.len() + 32 * bindings.len());
     let mut at = 0;
-    for item in crate::outline::Outline::of(text).items {
-        if let (crate::outline::ItemKind::Variable { .. }, Some(number)) =
-            (&item.kind, numbers.get(item.name.as_str()))
-        {
-            bound.push_str(&text[at..item.range.start]);
+    for (start, name) in variables {
+        if let Some(number) = numbers.get(name.as_str()) {
+            bound.push_str(&text[at..*start]);
             bound.push_str(&format!("@group(0) @binding({number}) "));
-            at = item.range.start;
+            at = *start;
         }
     }
     bound.push_str(&text[at..]);
@@ -239,7 +255,10 @@ fn with_bindings(text: &str, bindings: &[Binding]) -> String {
 
 /// Refuses texts on which naga would exhaust its stack: it recurses on chained operators and
 /// accesses, on `else if`, on template lists, and on brackets.
-fn check_chains(written: &Written) -> Result<(), Report> {
+///
+/// Returns the longest chain.
+fn check_chains(written: &Written) -> Result<usize, Report> {
+    let mut longest = 0;
     let text = &written.source.text;
     // How long the chain was when each open bracket was met: a comma goes back to that.
     let mut open: Vec<usize> = Vec::new();
@@ -269,6 +288,7 @@ fn check_chains(written: &Written) -> Result<(), Report> {
             },
             _ => {}
         }
+        longest = longest.max(chain + open.len() + elses);
         if chain > MAX_CHAIN || elses > MAX_CHAIN || open.len() > MAX_CHAIN {
             let mut wrong = Diagnostic::error(format!(
                 "more than {MAX_CHAIN} operators, `else`s or brackets in one go"
@@ -280,5 +300,5 @@ fn check_chains(written: &Written) -> Result<(), Report> {
             return Err(wrong.into());
         }
     }
-    Ok(())
+    Ok(longest)
 }

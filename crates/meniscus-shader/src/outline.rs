@@ -340,6 +340,9 @@ pub(crate) fn without_aliases<'a>(ty: &str, alias: &dyn Fn(&str) -> Option<&'a s
 /// A type as written, without white space and with WGSL's short names (`vec3f`, not `vec3<f32>`).
 fn join(text: &str, tokens: &[Token]) -> String {
     let mut joined: String = tokens.iter().map(|t| &text[t.range.clone()]).collect();
+    if !joined.contains("32>") && !joined.contains("f16>") {
+        return joined;
+    }
     for (word, letter) in [("f32", 'f'), ("u32", 'u'), ("i32", 'i'), ("f16", 'h')] {
         for size in 2..=4 {
             joined = joined.replace(&format!("vec{size}<{word}>"), &format!("vec{size}{letter}"));

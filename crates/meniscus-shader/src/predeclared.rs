@@ -1,6 +1,9 @@
 //! Names that WGSL declares itself. A shader's own items never get them: an item of that name in
 //! one module would change what the word means in all others.
 
+use std::collections::HashSet;
+use std::sync::LazyLock;
+
 /// Functions, and words that stand in template lists and attributes; types are keywords to naga.
 const PREDECLARED: &[&str] = &[
     "abs",
@@ -176,7 +179,8 @@ const ENTRY: &[&str] = &[
 
 /// Whether WGSL declares a name itself.
 pub(crate) fn is_predeclared(name: &str) -> bool {
-    PREDECLARED.contains(&name)
+    static NAMES: LazyLock<HashSet<&str>> = LazyLock::new(|| PREDECLARED.iter().copied().collect());
+    NAMES.contains(name)
 }
 
 /// Whether the composer declares a name in every shader of some kind.

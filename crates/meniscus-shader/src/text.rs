@@ -12,7 +12,7 @@ use crate::instance::{Instance, Instances, variables};
 use crate::lexer::tokens;
 use crate::library::{Module, Role};
 use crate::names::{Names, name_all};
-use crate::outline::{Item, ItemKind};
+use crate::outline::{Item, ItemKind, Outline};
 use crate::predeclared::is_predeclared;
 
 /// A composed text, and where each part of it came from.
@@ -95,6 +95,8 @@ pub(crate) struct Written {
     pub source: Source,
     /// The resource that each variable is connected to.
     pub resources: BTreeMap<String, String>,
+    /// Where each variable's declaration begins in the text, in order, and its name there.
+    pub variables: Vec<(usize, String)>,
     /// Where each variable is declared.
     pub declarations: BTreeMap<String, Place>,
     /// The `override` of each number, by the number's path.
@@ -117,10 +119,17 @@ pub(crate) struct Written {
 pub(crate) fn write(instances: &Instances, entry: entry::Written) -> Result<Written, Report> {
     let reached_first = tokens(&entry.text)
         .into_iter()
-        .map(|t| entry.text[t.range].to_owned())
+        .map(|t| &entry.text[t.range])
         .collect();
     let mut written = concatenate(instances, Some(reached_first))?;
-    let _ = write!(written.source.text, "// ---- entry points\n{}", entry.text);
+    written.source.text.push_str("// ---- entry points\n");
+    let start = written.source.text.len();
+    written.source.text.push_str(&entry.text);
+    for item in Outline::of(&entry.text).items {
+        if matches!(item.kind, ItemKind::Variable { .. }) {
+            written.variables.push((start + item.range.start, item.name));
+        }
+    }
     written.entry = entry.entry;
     written.attributes = entry.attributes;
     written.outputs = entry.outputs;
@@ -136,7 +145,7 @@ pub(crate) fn write_module(instances: &Instances) -> Result<Written, Report> {
 }
 
 /// Writes what is reached from the open names, or from all of the last instance's.
-fn concatenate(instances: &Instances, open: Option<Vec<String>>) -> Result<Written, Report> {
+fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written, Report> {
     let names = name_all(instances);
     let mut report = Report::default();
     let all = collect(instances, &names, &mut report);
@@ -144,7 +153,7 @@ fn concatenate(instances: &Instances, open: Option<Vec<String>>) -> Result<Writt
     let last = || {
         all.last()
             .into_iter()
-            .flat_map(|part| part.items.iter().map(|(name, _)| name.clone()))
+            .flat_map(|part| part.items.iter().map(|(name, _)| *name))
             .collect()
     };
     let reached = reach(&all, open.unwrap_or_else(last));
@@ -162,14 +171,15 @@ fn concatenate(instances: &Instances, open: Option<Vec<String>>) -> Result<Writt
             }
         }
     }
-    let mut written = BTreeSet::new();
+    let mut written = HashSet::new();
+    let mut variable_starts = Vec::new();
     for (index, part) in all.iter().enumerate() {
         let instance = &instances.all[index];
         // Several instances may share an item, and several modules a resource.
         let wanted: Vec<_> = part
             .items
             .iter()
-            .filter(|(name, _)| reached.contains(name) && written.insert(name.clone()))
+            .filter(|(name, _)| reached.contains(name) && written.insert(*name))
             .collect();
         if wanted.is_empty() {
             continue;
@@ -180,7 +190,10 @@ fn concatenate(instances: &Instances, open: Option<Vec<String>>) -> Result<Writt
         };
         let _ = writeln!(source.text, "// ---- {}{role}", instance.module.path);
         for (_, item) in wanted {
-            copy_item(&mut source, instance.module, item, &names[index]);
+            let start = copy_item(&mut source, instance.module, item, &names[index]);
+            if matches!(item.kind, ItemKind::Variable { .. }) {
+                variable_starts.push((start, names[index][&item.name].clone()));
+            }
             source.text.push_str("\n\n");
         }
     }
@@ -226,6 +239,7 @@ fn concatenate(instances: &Instances, open: Option<Vec<String>>) -> Result<Writt
     });
     Ok(Written {
         source,
+        variables: variable_starts,
         resources,
         declarations,
         overrides,
@@ -246,15 +260,19 @@ fn concatenate(instances: &Instances, open: Option<Vec<String>>) -> Result<Writt
 }
 
 /// An instance's items under their names in the shader.
-struct Part<'l> {
-    items: Vec<(String, &'l Item)>,
+struct Part<'p> {
+    items: Vec<(&'p str, &'p Item)>,
     directives: Vec<Place>,
     /// For each item, the shader's names it mentions.
-    mentions: Vec<Vec<String>>,
+    mentions: Vec<Vec<&'p str>>,
 }
 
-fn collect<'l>(instances: &Instances<'l>, names: &[Names], report: &mut Report) -> Vec<Part<'l>> {
-    let mut declared: HashMap<String, (&Module, &Item)> = HashMap::new();
+fn collect<'p>(
+    instances: &'p Instances,
+    names: &'p [Names],
+    report: &mut Report,
+) -> Vec<Part<'p>> {
+    let mut declared: HashMap<&str, (&Module, &Item)> = HashMap::new();
     let mut all = Vec::new();
     for (instance, names) in instances.all.iter().zip(names) {
         let module = instance.module;
@@ -269,8 +287,8 @@ fn collect<'l>(instances: &Instances<'l>, names: &[Names], report: &mut Report) 
             mentions: Vec::new(),
         };
         for item in &module.outline.items {
-            let name = names[&item.name].clone();
-            match declared.get(&name) {
+            let name = names[&item.name].as_str();
+            match declared.get(name) {
                 Some((other, first)) => {
                     let shared =
                         matches!(item.kind, ItemKind::Variable { .. }) && item.kind == first.kind;
@@ -281,14 +299,14 @@ fn collect<'l>(instances: &Instances<'l>, names: &[Names], report: &mut Report) 
                     }
                 }
                 None => {
-                    declared.insert(name.clone(), (module, item));
+                    declared.insert(name, (module, item));
                 }
             }
             let mentions = item
                 .words
                 .iter()
                 .map(|&index| &module.file.text[module.outline.tokens[index].range.clone()])
-                .map(|word| names.get(word).map_or(word, String::as_str).to_owned());
+                .map(|word| names.get(word).map_or(word, String::as_str));
             part.mentions.push(mentions.collect());
             part.items.push((name, item));
         }
@@ -308,7 +326,7 @@ fn collect<'l>(instances: &Instances<'l>, names: &[Names], report: &mut Report) 
 fn check_needs(
     instance: &Instance,
     names: &Names,
-    declared: &HashMap<String, (&Module, &Item)>,
+    declared: &HashMap<&str, (&Module, &Item)>,
     report: &mut Report,
 ) {
     let module = instance.module;
@@ -368,31 +386,33 @@ fn redefinition(module: &Module, item: &Item, other: &Module, first: &Item) -> D
 }
 
 /// The names that are reached from the open ones.
-fn reach(all: &[Part], mut open: Vec<String>) -> HashSet<String> {
-    let mut mentions: HashMap<&str, &[String]> = HashMap::new();
+fn reach<'p>(all: &[Part<'p>], mut open: Vec<&'p str>) -> HashSet<&'p str> {
+    let mut mentions: HashMap<&str, &[&str]> = HashMap::new();
     for part in all {
         for ((name, item), mentioned) in part.items.iter().zip(&part.mentions) {
             mentions.entry(name).or_insert(mentioned);
             if item.kind == ItemKind::Assertion {
-                open.push(name.clone());
+                open.push(name);
             }
         }
     }
     let mut reached = HashSet::new();
     while let Some(name) = open.pop() {
-        if let Some(mentioned) = mentions.get(name.as_str())
+        if let Some(mentioned) = mentions.get(name)
             && reached.insert(name)
         {
-            open.extend(mentioned.iter().cloned());
+            open.extend(*mentioned);
         }
     }
     reached
 }
 
-/// Copies an item and the comment above it, with its words renamed.
-fn copy_item(source: &mut Source, module: &Module, item: &Item, names: &Names) {
+/// Copies an item and the comment above it, with its words renamed. Returns where the item itself
+/// begins in the composed text.
+fn copy_item(source: &mut Source, module: &Module, item: &Item, names: &Names) -> usize {
     let file = &module.file;
     let mut at = comment_start(module, item.range.start);
+    let start = source.text.len() + (item.range.start - at);
     for &index in &item.words {
         let range = module.outline.tokens[index].range.clone();
         let word = &file.text[range.clone()];
@@ -403,6 +423,7 @@ fn copy_item(source: &mut Source, module: &Module, item: &Item, names: &Names) {
         }
     }
     source.copy(file, at..item.range.end);
+    start
 }
 
 /// Where the comment lines right above an item begin; the module's header is not among them.
