@@ -1,9 +1,10 @@
 // The solid point seen at a place of the seen buffers, from one texel that holds its plane.
-// The point is where the ray that flat water refracts towards this very place meets the plane: no
+// The point is where the ray that flat water deflects towards this very place meets the plane: no
 // interpolation, and one load (more only where it matters whether an edge is near). World space, metres; texels with centres at half integers.
 //
 // provides: seen
-// needs: geometry/octahedral, optics/snell, screen/neighbours, screen/seen_point, screen/seen_view, water/body
+// needs: geometry/octahedral, geometry/ray, screen/neighbours, screen/seen_point, screen/seen_view, water/body
+// slots: deflect
 // domain: seen(texel -100 to 1e4)
 
 // x: the bits of the plane's distance from the eye along its normal, metres. y, z: the geometric
@@ -30,7 +31,7 @@ fn seen(texel: vec2f) -> Seen {
     let fall = max(-water.camera_side * ray.direction.z, 1e-6);
     let way = max(water.camera_side * (ray.origin.z - water.level), 0.0) / fall;
     let crossing = ray.origin + min(way, 1e6) * ray.direction;
-    let behind = refracted(ray.direction, vec3f(0.0, 0.0, 1.0), water.relative_index);
+    let behind = deflect(Ray(crossing, ray.direction), vec3f(0.0, 0.0, 1.0)).ray;
     let slope = dot(normal, behind.direction);
     let offset = bitcast<f32>(plane.x) - dot(normal, crossing - ray.origin);
     let reach = clamp(offset / select(slope, 1e-6, abs(slope) < 1e-6), 0.0, 1e6);

@@ -1,0 +1,7 @@
+// A point mirrored in the water's rest plane. World space, metres.
+//
+// needs: water/body
+
+fn mirrored_point(point: vec3f) -> vec3f {
+    return vec3f(point.xy, 2.0 * water.level - point.z);
+}

@@ -1,0 +1,9 @@
+// Where a point on the camera's side appears in flat water as in a mirror: as far behind the rest
+// plane as it is before it. World space, metres.
+//
+// provides: place
+// needs: optics/mirrored_point
+
+fn place(point: vec3f) -> vec3f {
+    return mirrored_point(point);
+}
