@@ -637,3 +637,34 @@ fn a_machine_without_adapter_is_told_how_to_get_one() {
         said.ended(1, &["adapter", "help: ", "mesa-vulkan-drivers libvulkan1"]);
     }
 }
+
+#[test]
+fn a_reader_who_goes_away_is_no_mistake() {
+    for line in [
+        "list",
+        "check",
+        "adapters",
+        "compose refraction/combined --pass narrow",
+        "ablate refraction/none --size 16x9 --rounds 1 --json results.json",
+    ] {
+        let there = folder();
+        let (reader, writer) = std::io::pipe().expect("a pipe");
+        drop(reader);
+        let mut command = program();
+        command.current_dir(&there).args(words(line)).stdout(writer);
+        let said = run(&mut command);
+        assert_eq!(said.code, Some(0), "{line}: {}", said.err);
+        // The rest of the work is done nevertheless.
+        let wanted = line.contains("results.json");
+        assert_eq!(there.path().join("results.json").exists(), wanted);
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_told() {
+    let full = std::fs::File::create("/dev/full").expect("Linux has it");
+    let mut command = program();
+    command.arg("list").stdout(full);
+    run(&mut command).ended(1, &["cannot write to standard output"]);
+}

@@ -9,6 +9,7 @@ use serde_json::{Map, Value, json};
 
 use super::arguments::{Ablate, key_value};
 use super::progress::Bar;
+use super::say::say;
 use super::{Failure, outputs};
 
 /// What is run where nothing is named.
@@ -27,7 +28,7 @@ pub(crate) fn run(project: &Project, ablate: &Ablate) -> Result<(), Failure> {
     let outcome = outcome?;
     let results = &outcome.results;
     let table = Table::of(results);
-    print!("{}", table.terminal());
+    say(&table.terminal().to_string())?;
     if let Some(path) = &ablate.json {
         write_atomically(path, results.to_json()?.as_bytes())?;
     }
@@ -39,7 +40,7 @@ pub(crate) fn run(project: &Project, ablate: &Ablate) -> Result<(), Failure> {
     }
     if let Some(folder) = &ablate.out {
         write_directory(folder, &outcome)?;
-        println!("pictures, maps and data: {}", folder.display());
+        say(&format!("pictures, maps and data: {}\n", folder.display()))?;
     }
     Ok(())
 }

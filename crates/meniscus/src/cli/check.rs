@@ -6,6 +6,7 @@ use meniscus::source::{Diagnostic, Report};
 
 use super::Failure;
 use super::arguments::{Check, Compose};
+use super::say::{say, tell};
 
 pub(crate) fn check(project: &Project, check: &Check) -> Result<(), Failure> {
     let names = match check.pipelines.is_empty() {
@@ -43,7 +44,7 @@ pub(crate) fn check(project: &Project, check: &Check) -> Result<(), Failure> {
         }
     }
     if !report.0.is_empty() {
-        eprintln!("{}", report.to_string().trim_end());
+        tell(report.to_string().trim_end());
     }
     let errors = report
         .0
@@ -58,13 +59,12 @@ pub(crate) fn check(project: &Project, check: &Check) -> Result<(), Failure> {
         )));
     }
     let shaders = project.composer.composed();
-    println!(
-        "{}, {} under all facts, {}: all valid",
+    say(&format!(
+        "{}, {} under all facts, {}: all valid\n",
         counted(names.len(), "pipeline"),
         counted_as(passes, "pass", "passes"),
         counted(shaders as usize, "shader")
-    );
-    Ok(())
+    ))
 }
 
 /// Whether two messages say the same of the same place.
@@ -111,6 +111,5 @@ pub(crate) fn compose(project: &Project, compose: &Compose) -> Result<(), Failur
                 .with_suggestion(&compose.pass, names),
             )
         })?;
-    print!("{}", pass.shader.text);
-    Ok(())
+    say(&pass.shader.text)
 }

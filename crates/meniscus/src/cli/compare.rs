@@ -4,6 +4,7 @@ use meniscus::measure::{Better, Image, METRICS, MeasureError, Metric, metric, wr
 
 use super::Failure;
 use super::arguments::Compare;
+use super::say::say;
 
 pub(crate) fn run(compare: &Compare) -> Result<(), Failure> {
     if let Some(limit) = compare.limit
@@ -20,7 +21,7 @@ pub(crate) fn run(compare: &Compare) -> Result<(), Failure> {
     if let Some(path) = &compare.map {
         write_png(path, reference.size(), &difference.picture()).map_err(wrong)?;
     }
-    println!("{}", figure(metric, difference.value));
+    say(&format!("{}\n", figure(metric, difference.value)))?;
     match compare.limit {
         Some(limit) if !metric.holds(difference.value, limit) => {
             let side = match metric.better {

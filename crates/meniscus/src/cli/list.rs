@@ -6,6 +6,7 @@ use meniscus::shader::Role;
 
 use super::Failure;
 use super::arguments::{List, Listed};
+use super::say::say;
 
 pub(crate) fn run(project: &Project, list: &List) -> Result<(), Failure> {
     let wanted = |what: Listed| match list.what.is_empty() {
@@ -20,13 +21,13 @@ pub(crate) fn run(project: &Project, list: &List) -> Result<(), Failure> {
                 |role| role == Role::Slot,
                 |path| path.trim_start_matches("slots/"),
             ),
-        );
+        )?;
     }
     if wanted(Listed::Modules) {
         print(
             "modules",
             modules(project, |role| role != Role::Slot, |path| path),
-        );
+        )?;
     }
     if wanted(Listed::Pipelines) {
         let names = project.pipelines.names();
@@ -40,7 +41,7 @@ pub(crate) fn run(project: &Project, list: &List) -> Result<(), Failure> {
                     )
                 })
                 .collect(),
-        );
+        )?;
     }
     if wanted(Listed::Scenes) {
         print(
@@ -50,7 +51,7 @@ pub(crate) fn run(project: &Project, list: &List) -> Result<(), Failure> {
                 .iter()
                 .map(|scene| (scene.name.clone(), about(scene.about())))
                 .collect(),
-        );
+        )?;
     }
     if wanted(Listed::Settings) {
         print(
@@ -63,7 +64,7 @@ pub(crate) fn run(project: &Project, list: &List) -> Result<(), Failure> {
                     )
                 })
                 .collect(),
-        );
+        )?;
     }
     Ok(())
 }
@@ -87,11 +88,12 @@ fn modules(
         .collect()
 }
 
-fn print(title: &str, lines: Vec<(String, String)>) {
-    println!("{title}");
+fn print(title: &str, lines: Vec<(String, String)>) -> Result<(), Failure> {
+    let mut text = format!("{title}\n");
     let width = lines.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     for (name, purpose) in lines {
-        println!("  {name:width$}  {purpose}");
+        text += &format!("  {name:width$}  {purpose}\n");
     }
-    println!();
+    text.push('\n');
+    say(&text)
 }

@@ -9,6 +9,7 @@ mod list;
 mod outputs;
 mod progress;
 mod render;
+mod say;
 
 use std::process::ExitCode;
 
@@ -78,11 +79,11 @@ pub(crate) fn run() -> ExitCode {
     match execute(arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Written(message)) => {
-            eprintln!("{message}");
+            say::tell(&message);
             ExitCode::from(2)
         }
         Err(Failure::Machine(message) | Failure::Beyond(message)) => {
-            eprintln!("{message}");
+            say::tell(&message);
             ExitCode::from(1)
         }
     }
@@ -104,7 +105,7 @@ fn execute(arguments: Arguments) -> Result<(), Failure> {
 fn adapters() -> Result<(), Failure> {
     let found = meniscus::gpu::adapters();
     for adapter in &found {
-        println!("{adapter}");
+        say::say(&format!("{adapter}\n"))?;
     }
     if found.is_empty() {
         Gpu::open(None)?;

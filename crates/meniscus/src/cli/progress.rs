@@ -4,6 +4,8 @@ use std::sync::Mutex;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::say::tell;
+
 /// A bar that shows what is being done; nothing where there is no terminal.
 pub(crate) struct Bar {
     bar: ProgressBar,
@@ -35,7 +37,7 @@ impl Bar {
             what.clone_into(&mut last);
             self.bar.set_message(what.to_owned());
             if self.bar.is_hidden() {
-                eprintln!("{what} …");
+                tell(&format!("{what} …"));
             }
         }
     }

@@ -5,6 +5,7 @@ use meniscus::measure::write_png;
 use meniscus::{Picture, Project};
 
 use super::arguments::Render;
+use super::say::say;
 use super::{Failure, outputs};
 
 pub(crate) fn run(project: &Project, render: &Render) -> Result<(), Failure> {
@@ -15,6 +16,5 @@ pub(crate) fn run(project: &Project, render: &Render) -> Result<(), Failure> {
     let gpu = Gpu::open(render.look.adapter.as_deref())?;
     let picture = Picture::render(project, &gpu, &pipelines[0], &scene, render.look.size)?;
     write_png(&render.output, picture.size, &picture.srgb())?;
-    println!("{} on {}", render.output.display(), gpu.facts());
-    Ok(())
+    say(&format!("{} on {}\n", render.output.display(), gpu.facts()))
 }
