@@ -42,5 +42,7 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
     if there.object >= 0.0 && is_seen(place) {
         residual = residual_px(ray, there.position) + select(0.0, OTHER_OBJECT, there.edge || there.object != near.object);
     }
-    return Hit(position, near.normal, near.shading_normal, near.object, place, residual, true, ray.direction);
+    // A curved surface has turned on the way from the one place to the other.
+    let turned = select(near.shading_normal, there.shading_normal, there.object == near.object);
+    return Hit(position, near.normal, turned, near.object, place, residual, true, ray.direction);
 }
