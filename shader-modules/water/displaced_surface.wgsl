@@ -23,18 +23,19 @@ fn meet(ray: Ray) -> Meeting {
     // Where the ray crosses the rest plane, or enters the band that the waves reach.
     if fall > 1.01 * water.slope_bound * along {
         var t = max(height / way, 0.0);
-        var shape = Shape(0.0, vec2f(0.0));
         for (var i = 0; i < newton_steps; i++) {
-            let point = ray.origin + t * ray.direction;
-            shape = surface(point.xy);
-            let gap = side * (point.z - water.level - shape.height);
-            if abs(gap) <= 2e-7 * (1.0 + t) {
+            let at = ray.origin + t * ray.direction;
+            let shape = surface(at.xy);
+            let gap = side * (at.z - water.level - shape.height);
+            let change = gap / max(fall + side * dot(shape.gradient, ray.direction.xy), 1e-9);
+            t = max(t + change, 0.0);
+            // The step leaves a gap of the second order in it, which may be as small as rounding.
+            if water.curvature_bound * change * change <= 4e-7 * (1.0 + t) {
                 break;
             }
-            let rate = fall + side * dot(shape.gradient, ray.direction.xy);
-            t = max(t + gap / max(rate, 1e-9), 0.0);
         }
-        return Meeting(ray.origin + t * ray.direction, shape_normal(shape), t < 1e9);
+        let point = ray.origin + t * ray.direction;
+        return Meeting(point, shape_normal(surface(point.xy)), t < 1e9);
     }
     let start = max((height - water.height_bound) / way, 0.0);
     let march = march_to_waves(ray, side, start, march_steps);
