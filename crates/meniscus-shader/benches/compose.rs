@@ -145,7 +145,7 @@ fn benchmarks(criterion: &mut Criterion) {
     let text = shader.text.clone();
     criterion.bench_function("naga alone: parse and validate the flat text", |b| b.iter(|| flat(&text)));
     criterion.bench_function("meniscus: compose, the library read before", |b| {
-        b.iter_batched(|| Composer::new(library(&sources)), |composer| composer.compose(&recipe).map(|s| s.hash.len()), criterion::BatchSize::SmallInput);
+        b.iter_batched_ref(|| Composer::new(library(&sources)), |composer| composer.compose(&recipe).map(|s| s.hash.len()), criterion::BatchSize::SmallInput);
     });
     criterion.bench_function("meniscus: read all modules and compose", |b| b.iter(|| read().compose(&recipe).map(|s| s.hash.len())));
     criterion.bench_function("meniscus: compose again what is kept", |b| b.iter(|| composer.compose(&recipe).map(|s| s.hash.len())));

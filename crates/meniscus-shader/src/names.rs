@@ -7,6 +7,7 @@
 //! that is not the same.
 
 use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
 
 use crate::instance::{Instance, Instances};
 use crate::library::Module;
@@ -14,7 +15,7 @@ use crate::outline::{Item, ItemKind};
 use crate::predeclared::{is_entry, is_predeclared};
 
 /// The names of one instance: what it writes → what stands in the shader.
-pub(crate) type Names = HashMap<String, String>;
+pub(crate) type Names = HashMap<Rc<str>, Rc<str>>;
 
 /// The name of a slot's function for who calls the slot by `own`: the slot's main function has the
 /// caller's name for the slot, the others have it in front.
@@ -31,7 +32,8 @@ pub(crate) fn slot_function(slot: &Module, function: &str, own: &str) -> String 
 /// Names for everything that every instance writes.
 pub(crate) fn name_all(instances: &Instances) -> Vec<Names> {
     let mut namer = Namer {
-        taken: words(instances),
+        written: words(instances),
+        made: HashSet::new(),
         connected: HashMap::new(),
     };
     let mut copies: HashMap<&str, Vec<usize>> = HashMap::new();
@@ -47,7 +49,7 @@ pub(crate) fn name_all(instances: &Instances) -> Vec<Names> {
 
 /// All words of all modules but the names by which they call slots: no name that is made up may be
 /// one of them, lest a local variable hide it.
-fn words(instances: &Instances) -> HashSet<String> {
+fn words<'i>(instances: &'i Instances) -> HashSet<&'i str> {
     let mut found = HashSet::new();
     let mut seen = HashSet::new();
     for instance in &instances.all {
@@ -59,10 +61,10 @@ fn words(instances: &Instances) -> HashSet<String> {
             .collect();
         let outline = &instance.module.outline;
         let text = &instance.module.file.text;
-        for &word in outline.items.iter().flat_map(|item| &item.words) {
+        for &word in outline.items.iter().flat_map(|item| &item.spellings) {
             let word = &text[outline.tokens[word].range.clone()];
             if !called.contains(word) {
-                found.insert(word.to_owned());
+                found.insert(word);
             }
         }
     }
@@ -88,13 +90,16 @@ fn slot_functions<'i>(
     })
 }
 
-struct Namer {
-    taken: HashSet<String>,
+struct Namer<'i> {
+    /// Words that some module writes.
+    written: HashSet<&'i str>,
+    /// Names that were made up.
+    made: HashSet<Rc<str>>,
     /// Names of variables by what was written and what they are connected to.
-    connected: HashMap<(String, String), String>,
+    connected: HashMap<(String, String), Rc<str>>,
 }
 
-impl Namer {
+impl Namer<'_> {
     fn instance(
         &mut self,
         instances: &Instances,
@@ -106,17 +111,19 @@ impl Namer {
         for &needed in &instance.needs {
             imported.extend(all[needed].iter().map(|(k, v)| (k.clone(), v.clone())));
         }
-        let called: Vec<(String, String)> = slot_functions(instances, instance)
-            .filter_map(|(own, filling, function)| Some((own, all[filling].get(function)?.clone())))
+        let called: Vec<(Rc<str>, Rc<str>)> = slot_functions(instances, instance)
+            .filter_map(|(own, filling, function)| {
+                Some((Rc::from(own), all[filling].get(function)?.clone()))
+            })
             .collect();
         let mut names = imported;
         // An instance's own items hide what is needed, and its slots both.
         for item in &instance.module.outline.items {
-            names.remove(&item.name);
+            names.remove(item.name.as_str());
         }
         names.extend(called);
         let items = &instance.module.outline.items;
-        let mut own: HashMap<&str, String> = HashMap::new();
+        let mut own: HashMap<&str, Rc<str>> = HashMap::new();
         for item in items {
             if let Some(name) = self.own_name(instance, item, &instances.reads) {
                 own.insert(&item.name, name);
@@ -126,20 +133,20 @@ impl Namer {
             let same = same_items(instance, &all[other], &names, &own);
             for item in items {
                 if same.contains(item.name.as_str()) && !own.contains_key(item.name.as_str()) {
-                    own.insert(&item.name, all[other][&item.name].clone());
+                    own.insert(&item.name, all[other][item.name.as_str()].clone());
                 }
             }
         }
         for item in items {
             own.entry(&item.name).or_insert_with(|| match others.len() {
-                0 if !is_predeclared(&item.name) && !is_entry(&item.name) => item.name.clone(),
+                0 if !is_predeclared(&item.name) && !is_entry(&item.name) => Rc::from(&*item.name),
                 0 => self.fresh(&format!("{}_", item.name)),
                 copies => self.fresh(&format!("{}_{}", item.name, copies + 1)),
             });
         }
         names.extend(
             own.into_iter()
-                .map(|(written, name)| (written.to_owned(), name)),
+                .map(|(written, name)| (Rc::from(written), name)),
         );
         names
     }
@@ -150,14 +157,14 @@ impl Namer {
         instance: &Instance,
         item: &Item,
         shared: &std::collections::BTreeMap<String, String>,
-    ) -> Option<String> {
+    ) -> Option<Rc<str>> {
         let role = instance.role.join("_");
         let name = &item.name;
         match (&item.kind, instance.slot) {
             (ItemKind::Function { .. }, Some(slot)) if slot.item(name).is_some() => {
                 let wanted = slot_function(slot, name, &role);
                 Some(if wanted == *name && !is_predeclared(name) {
-                    wanted
+                    wanted.into()
                 } else {
                     self.fresh(&wanted)
                 })
@@ -165,7 +172,7 @@ impl Namer {
             (ItemKind::Variable { .. }, _) => {
                 let resource = instance.reads.get(name);
                 if resource.is_none() && !is_predeclared(name) {
-                    return Some(name.clone());
+                    return Some(Rc::from(&**name));
                 }
                 let resource = resource.or(shared.get(name)).unwrap_or(name).clone();
                 let key = (name.clone(), resource);
@@ -179,20 +186,25 @@ impl Namer {
             (ItemKind::Override { .. }, _) if !role.is_empty() => {
                 Some(self.fresh(&format!("{role}_{name}")))
             }
-            (ItemKind::Assertion, _) => Some(format!("{} {name}", instance.module.path)),
+            (ItemKind::Assertion, _) => Some(format!("{} {name}", instance.module.path).into()),
             _ => None,
         }
     }
 
     /// A name that nothing else has.
-    fn fresh(&mut self, wanted: &str) -> String {
+    fn fresh(&mut self, wanted: &str) -> Rc<str> {
         let mut name = wanted.to_owned();
         let mut number = 2;
-        while is_predeclared(&name) || is_entry(&name) || self.taken.contains(&name) {
+        while is_predeclared(&name)
+            || is_entry(&name)
+            || self.written.contains(name.as_str())
+            || self.made.contains(name.as_str())
+        {
             name = format!("{wanted}_{number}");
             number += 1;
         }
-        self.taken.insert(name.clone());
+        let name: Rc<str> = name.into();
+        self.made.insert(name.clone());
         name
     }
 }
@@ -203,7 +215,7 @@ fn same_items<'i>(
     instance: &'i Instance,
     other: &Names,
     imported: &Names,
-    own: &HashMap<&str, String>,
+    own: &HashMap<&str, Rc<str>>,
 ) -> HashSet<&'i str> {
     let outline = &instance.module.outline;
     let text = &instance.module.file.text;
@@ -223,7 +235,7 @@ fn same_items<'i>(
                     (None, None) => other.get(word) != imported.get(word),
                 }
             };
-            if same.contains(item.name.as_str()) && item.words.iter().any(differs) {
+            if same.contains(item.name.as_str()) && item.spellings.iter().any(differs) {
                 same.remove(item.name.as_str());
             }
         }

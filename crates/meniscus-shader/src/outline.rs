@@ -1,6 +1,6 @@
 //! The module-scope items of a WGSL text: their names, kinds, places and signatures.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 use std::ops::Range;
 
 use crate::lexer::{Kind, Token, tokens};
@@ -27,6 +27,8 @@ pub(crate) struct Item {
     /// Those of the tokens that are names of items, of locals, or of WGSL's own things: not members,
     /// not attributes.
     pub words: Vec<usize>,
+    /// The first of the `words` of each spelling.
+    pub spellings: Vec<usize>,
     /// Names that it declares within: parameters and local variables.
     pub locals: BTreeSet<String>,
 }
@@ -135,9 +137,16 @@ impl Outline {
                     _ => ItemKind::Assertion,
                 };
                 let words = words(text, &self.tokens, start..end, found == "struct");
+                let mut known = HashSet::new();
+                let spellings = words
+                    .iter()
+                    .copied()
+                    .filter(|&index| known.insert(&text[self.tokens[index].range.clone()]))
+                    .collect();
                 self.items.push(Item {
                     locals: locals(text, &self.tokens[start..end], &kind),
                     words,
+                    spellings,
                     kind,
                     name,
                     name_range,

@@ -192,7 +192,7 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
         for (_, item) in wanted {
             let start = copy_item(&mut source, instance.module, item, &names[index]);
             if matches!(item.kind, ItemKind::Variable { .. }) {
-                variable_starts.push((start, names[index][&item.name].clone()));
+                variable_starts.push((start, names[index][item.name.as_str()].to_string()));
             }
             source.text.push_str("\n\n");
         }
@@ -207,10 +207,10 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
         for name in variables(instance.module) {
             let shared = instances.reads.get(name).map_or(name, String::as_str);
             let resource = instance.reads.get(name).map_or(shared, String::as_str);
-            resources.insert(names[name].clone(), resource.to_owned());
+            resources.insert(names[name].to_string(), resource.to_owned());
             if let Some(item) = instance.module.item(name) {
                 let place = instance.module.place(item.name_range.clone());
-                declarations.entry(names[name].clone()).or_insert(place);
+                declarations.entry(names[name].to_string()).or_insert(place);
             }
         }
         for number in instance.module.overrides() {
@@ -218,15 +218,15 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
                 true => number.name.clone(),
                 false => format!("{}.{}", instance.role.join("."), number.name),
             };
-            overrides.insert(path, names[&number.name].clone());
+            overrides.insert(path, names[number.name.as_str()].to_string());
         }
         for (original, name) in names.iter().filter(|(a, b)| a != b) {
             let known = originals
-                .entry(name.clone())
-                .or_insert_with(|| original.clone());
+                .entry(name.to_string())
+                .or_insert_with(|| original.to_string());
             // Several callers may have names of their own for it: take the same one every time.
-            if original < known {
-                known.clone_from(original);
+            if **original < **known {
+                *known = original.to_string();
             }
         }
     }
@@ -287,7 +287,7 @@ fn collect<'p>(
             mentions: Vec::new(),
         };
         for item in &module.outline.items {
-            let name = names[&item.name].as_str();
+            let name = &*names[item.name.as_str()];
             match declared.get(name) {
                 Some((other, first)) => {
                     let shared =
@@ -303,10 +303,10 @@ fn collect<'p>(
                 }
             }
             let mentions = item
-                .words
+                .spellings
                 .iter()
                 .map(|&index| &module.file.text[module.outline.tokens[index].range.clone()])
-                .map(|word| names.get(word).map_or(word, String::as_str));
+                .map(|word| names.get(word).map_or(word, |name| name));
             part.mentions.push(mentions.collect());
             part.items.push((name, item));
         }
@@ -334,15 +334,13 @@ fn check_needs(
         for &index in &item.words {
             let range = module.outline.tokens[index].range.clone();
             let word = &module.file.text[range.clone()];
-            if names.contains_key(word) || item.locals.contains(word) || is_predeclared(word) {
-                continue;
-            }
-            let Some((owner, _)) = declared
-                .get(word)
-                .filter(|(owner, _)| owner.path != module.path)
-            else {
+            let Some((owner, _)) = declared.get(word) else {
                 continue;
             };
+            let hidden = names.contains_key(word) || item.locals.contains(word);
+            if hidden || owner.path == module.path || is_predeclared(word) {
+                continue;
+            }
             let wrong =
                 Diagnostic::error(format!("`{}` uses `{word}` without saying so", module.path)).at(
                     &module.place(range),
@@ -416,7 +414,7 @@ fn copy_item(source: &mut Source, module: &Module, item: &Item, names: &Names) -
     for &index in &item.words {
         let range = module.outline.tokens[index].range.clone();
         let word = &file.text[range.clone()];
-        if let Some(name) = names.get(word).filter(|name| *name != word) {
+        if let Some(name) = names.get(word).filter(|name| ***name != *word) {
             source.copy(file, at..range.start);
             source.rename(file, range.clone(), name);
             at = range.end;
