@@ -28,6 +28,7 @@ pub use meniscus_reference as reference;
 pub use meniscus_scene as scene;
 pub use meniscus_shader as shader;
 pub use meniscus_source as source;
+pub use meniscus_stress as stress;
 
 /// The commit that this program was built from, or `unknown`.
 pub const COMMIT: &str = env!("MENISCUS_COMMIT");

@@ -1,5 +1,6 @@
 //! Shader modules of a library, ready to be run, with the domains that their headers declare.
 
+mod assay;
 mod domain;
 mod host;
 mod truth;
@@ -9,6 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use meniscus_shader::{Alone, Composer, Filling, Library};
 use meniscus_source::{Diagnostic, Place, Report};
 
+pub use assay::{Assay, WATERS, Worst, WorstCase};
 pub use domain::{Declared, declared};
 pub use host::{Connected, Host};
 pub use truth::{TRUTHS, truth};

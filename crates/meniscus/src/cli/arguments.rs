@@ -76,6 +76,14 @@ pub(crate) enum Command {
     /// 2 when the pictures cannot be compared.
     #[command(after_help = super::compare::measures())]
     Compare(Compare),
+    /// Run one function of a module on the CPU, on given numbers.
+    Eval(Eval),
+    /// Hunt the inputs on which modules are worst, on the CPU, and tell how exact they are.
+    ///
+    /// Functions are tried where their headers say that their inputs lie (`// domain: …`): with
+    /// random inputs, with special ones, and by an adversary that goes from bad inputs to worse.
+    /// Errors are in units in the last place of 32-bit floats.
+    Stress(Stress),
     /// List the graphics adapters of this machine.
     Adapters,
 }
@@ -216,6 +224,79 @@ pub(crate) struct Compare {
     /// The worst value that is good enough.
     #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
     pub limit: Option<f64>,
+}
+
+/// What modules read from their surroundings.
+#[derive(Debug, Args)]
+pub(crate) struct Surroundings {
+    /// Set what modules read: water.refractive_index=1.5, water.camera_side=-1 (the eye under
+    /// water), waves[0].amplitude=0.1, view_target.eye=0,-4,1.7; may be given more than once. By
+    /// default water of index 1.333 at height 0 with three waves, a camera 1.7 m above it that looks
+    /// down, a sun, and small textures.
+    #[arg(long = "set", value_name = "NAME=NUMBER,…")]
+    pub set: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Eval {
+    /// The function: FOLDER/MODULE:FUNCTION.
+    #[arg(value_name = "MODULE:FUNCTION")]
+    pub function: String,
+    /// Its arguments, a number for each component; true and false for truth values.
+    #[arg(allow_negative_numbers = true, value_name = "NUMBER")]
+    pub arguments: Vec<String>,
+    /// Read arguments from a file instead, a line for each call; the first line names the columns
+    /// (`incident.x`). Results are written as CSV.
+    #[arg(long, value_name = "FILE", conflicts_with = "arguments")]
+    pub csv: Option<PathBuf>,
+    /// The number system.
+    #[arg(long, value_enum, default_value = "f32")]
+    pub scalar: Numbers,
+    #[command(flatten)]
+    pub surroundings: Surroundings,
+}
+
+/// Number systems.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Numbers {
+    /// 32-bit floats, as a GPU computes.
+    F32,
+    /// 64-bit floats.
+    F64,
+    /// Pairs of 64-bit floats: 31 digits.
+    Dd,
+    /// Bounds between which the result lies.
+    Interval,
+    /// 64-bit floats, and how a relative change of the arguments changes the result.
+    Dual,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Stress {
+    /// The module, or one function of it; all that declare a domain if none is given.
+    #[arg(value_name = "MODULE[:FUNCTION]")]
+    pub target: Option<String>,
+    /// Go on searching for this long per function.
+    #[arg(long, value_name = "NUMBER", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=86_400))]
+    pub seconds: u64,
+    /// How many random inputs are tried per function; a sixteenth as many special ones and steps of
+    /// the adversary.
+    #[arg(long, value_name = "NUMBER", default_value_t = 1 << 20, value_parser = clap::value_parser!(u32).range(16..=1 << 28))]
+    pub samples: u32,
+    /// Equal seeds find equal things.
+    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    pub seed: u64,
+    /// Write what is found as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the table as Markdown.
+    #[arg(long, value_name = "FILE")]
+    pub markdown: Option<PathBuf>,
+    /// Keep the worst inputs, a file for each function: for regression tests.
+    #[arg(long, value_name = "DIR")]
+    pub worst: Option<PathBuf>,
+    #[command(flatten)]
+    pub surroundings: Surroundings,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -5,10 +5,12 @@ mod ablate;
 mod arguments;
 mod check;
 mod compare;
+mod eval;
 mod list;
 mod outputs;
 mod progress;
 mod render;
+mod stress;
 mod say;
 
 use std::process::ExitCode;
@@ -98,6 +100,8 @@ fn execute(arguments: Arguments) -> Result<(), Failure> {
         Command::Render(render) => render::run(&project, &render),
         Command::Ablate(ablate) => ablate::run(&project, &ablate),
         Command::Compare(compare) => compare::run(&compare),
+        Command::Eval(eval) => eval::run(&project, &eval),
+        Command::Stress(stress) => stress::run(&project, &stress),
         Command::Adapters => adapters(),
     }
 }
