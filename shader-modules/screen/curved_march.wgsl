@@ -4,11 +4,11 @@
 // in the world, as far as it takes to move by `stride` on the screen or to reach what was drawn.
 // World space, metres; depth along `forward` of where points appear; texels.
 // A ray that leaves the buffers shows what is where it does so; one that goes on behind something
-// until its end shows the pixel itself. Normals and id are not known: for fillings of `colour` that
+// until its end, or comes back to the camera's side, shows the pixel itself. Normals and id are not known: for fillings of `colour` that
 // fetch what was drawn at the texel.
 //
 // provides: intersect
-// needs: geometry/ray, geometry/hit, screen/neighbours, screen/seen_view, screen/target
+// needs: geometry/ray, geometry/hit, screen/neighbours, screen/seen_view, screen/target, water/body
 // slots: place
 // requires: colour = screen/resampled
 // number thickness: 0 to 100 m, step 0.05
@@ -23,7 +23,7 @@ var seen_depth: texture_depth_2d;
 // How far every drawn surface is taken to go on behind its front.
 override thickness: f32 = 0.1;
 override stride: f32 = 1.0;
-override march_steps: i32 = 512;
+override march_steps: i32 = 256;
 // Steps of regula falsi within the step in which the ray passed behind.
 override refinements: i32 = 2;
 // How far the ray is followed.
@@ -68,7 +68,10 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
     var step = 0.01 * clamp(before.gap, 0.01, 1.0);
     var met = false;
     var left = false;
-    for (var i = 0; i < march_steps && !met; i++) {
+    // Light that the water reflects meets nothing that was drawn.
+    let returns = water.camera_side * ray.direction.z > 0.0;
+    let steps = select(march_steps, 0, returns);
+    for (var i = 0; i < steps && !met; i++) {
         after = marched(ray, before.along + step);
         left = outside(after.texel);
         met = after.gap <= 0.0 && before.depth <= after.depth + after.gap + thickness;

@@ -4,11 +4,11 @@
 // a step overlap the drawn surface and its thickness, then bisection. World space, metres; depth
 // along `forward`; texels. Valid only where world rays are straight on the screen.
 // A ray that leaves the buffers shows what is where it does so; one that goes on behind something
-// until its end shows the pixel itself, as without refraction. Normals and id are not known: for
+// until its end, or comes back to the camera's side, shows the pixel itself. Normals and id are not known: for
 // fillings of `colour` that fetch what was drawn at the texel.
 //
 // provides: intersect
-// needs: geometry/ray, geometry/hit, screen/neighbours, screen/seen_view, screen/target
+// needs: geometry/ray, geometry/hit, screen/neighbours, screen/seen_view, screen/target, water/body
 // requires: reproject = screen/plain, colour = screen/resampled
 // number thickness: 0 to 100 m, step 0.05
 // number stride: 1 to 64 px, step 1
@@ -88,7 +88,10 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
     var after = 0.0;
     var met = false;
     // Every step covers what lies between the middles of the gaps to its neighbours.
-    for (var i = 0; i < march_steps && !met; i++) {
+    // Light that the water reflects meets nothing that was drawn.
+    let returns = water.camera_side * ray.direction.z > 0.0;
+    let steps = select(march_steps, 0, returns);
+    for (var i = 0; i < steps && !met; i++) {
         if before >= inside {
             break;
         }
