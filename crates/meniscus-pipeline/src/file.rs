@@ -37,7 +37,21 @@ pub(crate) struct PipelineFile {
 pub(crate) struct VariantFile {
     pub of: Spanned<String>,
     pub about: String,
+    #[serde(default)]
     pub set: Entries<Spanned<Value>>,
+    /// Passes that are left out.
+    #[serde(default)]
+    pub remove: Vec<Spanned<String>>,
+    /// Steps that come right behind a pass.
+    #[serde(default)]
+    pub insert_after: Entries<Vec<Step>>,
+    /// Textures and buffers that are added, or that replace those of their names.
+    #[serde(default)]
+    pub textures: Entries<TextureFile>,
+    #[serde(default)]
+    pub buffers: Entries<BufferFile>,
+    #[serde(default)]
+    pub output: Option<OutputFile>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -1,5 +1,6 @@
 //! Pipelines declared in RON: variants, facts, plans, without a GPU.
 
+mod diff;
 mod facts;
 mod file;
 pub mod host;
@@ -7,7 +8,9 @@ mod interface;
 mod pipeline;
 mod plan;
 mod planner;
+mod variant;
 
+pub use diff::diff;
 pub use facts::{Facts, KNOWN as KNOWN_FACTS};
 pub use file::{Dispatch, Over, Runs};
 pub use pipeline::{Pass, PassOver, Pipeline, Pipelines};

@@ -7,8 +7,11 @@ use meniscus_shader::Filling;
 use meniscus_source::ron::{Entries, Spanned, from_source};
 use meniscus_source::{Diagnostic, Report, SourceFile};
 
-use crate::file::{self, Dispatch, File, Over, PipelineFile, Runs, Step, Value, VariantFile};
+use crate::file::{
+    self, BufferFile, Dispatch, File, Over, PipelineFile, Runs, Step, TextureFile, Value,
+};
 use crate::plan::{Buffer, Geometry, Texture};
+use crate::variant;
 
 /// The longest chain of variants of variants.
 const MAX_CHAIN: usize = 16;
@@ -141,18 +144,13 @@ impl Pipelines {
     ) -> Result<Pipeline, Report> {
         match from_source::<File>(file)? {
             File::Pipeline(read) => build(name, read),
-            File::Variant(VariantFile { of, about, set }) => {
-                let mut pipeline = self.follow(&of, chain)?;
+            File::Variant(variant) => {
+                let mut pipeline = self.follow(&variant.of, chain)?;
                 pipeline.name = name.to_owned();
-                pipeline.about = about;
+                pipeline.about.clone_from(&variant.about);
                 pipeline.baseline = false;
-                let mut report = Report::default();
-                for (key, value) in set.iter() {
-                    if let Err(wrong) = pipeline.put(key, value) {
-                        report.add(wrong);
-                    }
-                }
-                report.into_result(pipeline)
+                variant::apply(&mut pipeline, variant)?;
+                Ok(pipeline)
             }
         }
     }
@@ -164,50 +162,40 @@ fn build(name: &str, read: PipelineFile) -> Result<Pipeline, Report> {
         name: name.to_owned(),
         about: read.about,
         baseline: read.baseline,
-        textures: read
-            .textures
-            .0
-            .into_iter()
-            .map(|(key, t)| {
-                let texture = Texture {
-                    format: t.format,
-                    size: t.size,
-                };
-                (
-                    key.value.clone(),
-                    Spanned {
-                        value: texture,
-                        place: key.place,
-                    },
-                )
-            })
-            .collect(),
-        buffers: read
-            .buffers
-            .0
-            .into_iter()
-            .map(|(key, b)| {
-                let buffer = Buffer {
-                    bytes: b.bytes.into(),
-                    bytes_per_pixel: b.bytes_per_pixel.into(),
-                    indirect: b.indirect,
-                    zeroed: b.zeroed,
-                };
-                (
-                    key.value.clone(),
-                    Spanned {
-                        value: buffer,
-                        place: key.place,
-                    },
-                )
-            })
-            .collect(),
+        textures: textures(read.textures),
+        buffers: buffers(read.buffers),
         lists: file::connections(&read.lists),
         passes: Vec::new(),
         output: read.output.colour,
     };
     add_steps(&mut pipeline.passes, read.sequence, "", &mut report);
     report.into_result(pipeline)
+}
+
+pub(crate) fn textures(declared: Entries<TextureFile>) -> BTreeMap<String, Spanned<Texture>> {
+    let placed = |(key, t): (Spanned<String>, TextureFile)| {
+        let value = Texture {
+            format: t.format,
+            size: t.size,
+        };
+        let place = key.place;
+        (key.value, Spanned { value, place })
+    };
+    declared.0.into_iter().map(placed).collect()
+}
+
+pub(crate) fn buffers(declared: Entries<BufferFile>) -> BTreeMap<String, Spanned<Buffer>> {
+    let placed = |(key, b): (Spanned<String>, BufferFile)| {
+        let value = Buffer {
+            bytes: b.bytes.into(),
+            bytes_per_pixel: b.bytes_per_pixel.into(),
+            indirect: b.indirect,
+            zeroed: b.zeroed,
+        };
+        let place = key.place;
+        (key.value, Spanned { value, place })
+    };
+    declared.0.into_iter().map(placed).collect()
 }
 
 /// How many passes steps come to.
@@ -223,7 +211,7 @@ fn count(steps: &[Step]) -> usize {
 }
 
 /// Unrolls steps into passes; those of a repetition are numbered from 1.
-fn add_steps(passes: &mut Vec<Pass>, steps: Vec<Step>, suffix: &str, report: &mut Report) {
+pub(crate) fn add_steps(passes: &mut Vec<Pass>, steps: Vec<Step>, suffix: &str, report: &mut Report) {
     for step in steps {
         let pass = match step {
             Step::Draw(d) => (
@@ -347,75 +335,6 @@ impl Pipeline {
         let value: Spanned<Value> = from_source(&file)?;
         self.put(&Spanned::unplaced(key.to_owned()), &value)?;
         self.name = format!("{} {key}={}", self.name, file.text.trim_matches('"'));
-        Ok(())
-    }
-
-    pub(crate) fn put(
-        &mut self,
-        key: &Spanned<String>,
-        value: &Spanned<Value>,
-    ) -> Result<(), Diagnostic> {
-        let wrong = |message: String| {
-            let place = key.place.as_ref().or(value.place.as_ref());
-            let diagnostic = Diagnostic::error(message);
-            match place {
-                Some(place) => diagnostic.at(place, ""),
-                None => diagnostic,
-            }
-        };
-        let mut parts = key.value.split('.');
-        let pass_name = parts.next().unwrap_or_default();
-        let path: Vec<&str> = parts.collect();
-        let names: Vec<String> = self.passes.iter().map(|p| p.name.value.clone()).collect();
-        let Some(pass) = self.passes.iter_mut().find(|p| p.name.value == pass_name) else {
-            return Err(wrong(format!("`{}` has no pass `{pass_name}`", self.name))
-                .with_suggestion(pass_name, names.iter().map(String::as_str)));
-        };
-        let Some((last, way)) = path.split_last() else {
-            return Err(wrong(format!(
-                "`{}` names a pass; a slot or number must follow",
-                key.value
-            ))
-            .with_help("write PASS.SLOT or PASS.SLOT.NUMBER"));
-        };
-        let mut fillings = &mut pass.slots;
-        let mut numbers = &mut pass.numbers;
-        for slot in way {
-            let known: Vec<String> = fillings.keys().cloned().collect();
-            let Some(filling) = fillings.get_mut(*slot) else {
-                return Err(wrong(format!("nothing fills `{slot}` in `{}`", key.value))
-                    .with_suggestion(slot, known.iter().map(String::as_str)));
-            };
-            fillings = &mut filling.slots;
-            numbers = &mut filling.numbers;
-        }
-        match &value.value {
-            Value::Number(_) if fillings.contains_key(*last) => {
-                return Err(wrong(format!(
-                    "`{}` names a slot, which wants a module",
-                    key.value
-                )));
-            }
-            Value::Number(number) => {
-                let number = file::finite(*number)
-                    .ok_or_else(|| wrong(format!("`{}` wants a finite number", key.value)))?;
-                numbers.insert(
-                    (*last).to_owned(),
-                    Spanned {
-                        value: number,
-                        place: value.place.clone(),
-                    },
-                );
-            }
-            _ => {
-                let slot = Spanned {
-                    value: (*last).to_owned(),
-                    place: key.place.clone(),
-                };
-                let filling = file::filling(&slot, value)?;
-                fillings.insert(slot.value, filling);
-            }
-        }
         Ok(())
     }
 }

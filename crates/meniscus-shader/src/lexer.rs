@@ -26,15 +26,16 @@ pub(crate) fn tokens(text: &str) -> Vec<Token> {
     let mut at = 0;
     while let Some(c) = text[at..].chars().next() {
         let rest = &text[at..];
-        let (kind, length) = if c.is_whitespace() {
+        let (kind, length) = if c == ' ' {
+            (None, rest.bytes().take_while(|&b| b == b' ').count())
+        } else if c.is_whitespace() {
             (None, c.len_utf8())
         } else if rest.starts_with("//") {
             (None, rest.find(is_line_break).unwrap_or(rest.len()))
         } else if rest.starts_with("/*") {
             (None, block_comment(rest))
         } else if c == '_' || unicode_start(c) {
-            let end = rest.find(|c| !(c == '_' || unicode_continue(c)));
-            (Some(Kind::Word), end.unwrap_or(rest.len()))
+            (Some(Kind::Word), word(rest))
         } else if c.is_ascii_digit()
             || (c == '.' && rest[1..].starts_with(|d: char| d.is_ascii_digit()))
         {
@@ -51,6 +52,15 @@ pub(crate) fn tokens(text: &str) -> Vec<Token> {
         at += length;
     }
     found
+}
+
+/// Length of the word that a text begins with.
+fn word(text: &str) -> usize {
+    let ascii = text.bytes().take_while(|&b| b == b'_' || b.is_ascii_alphanumeric()).count();
+    if text.as_bytes().get(ascii).is_none_or(u8::is_ascii) {
+        return ascii;
+    }
+    text.find(|c| !(c == '_' || unicode_continue(c))).unwrap_or(text.len())
 }
 
 fn is_line_break(c: char) -> bool {
