@@ -1,12 +1,11 @@
 // What a ray meets first of all triangles of the scene: a walk through a tree of boxes, the nearer
 // child first. World space, metres. The stack is as deep as the host's trees may be. A walk of more
 // than 4,096 nodes (far beyond what a million triangles ask for) ends with the nearest triangle
-// found until then; a ray that is not finite meets nothing.
+// found until then; a ray that is not finite meets nothing. For coordinates up to 1e6 m.
 //
 // provides: intersect
 // needs: geometry/box, geometry/hit, geometry/ray, geometry/triangle, geometry/triangles
 // slots: reproject
-// domain: coordinates up to 1e6 m, unit directions
 
 // With a `count` of 0, `first` is the first of two nodes; else the first of so many triangles.
 struct BvhNode {
