@@ -3,6 +3,7 @@
 mod diff;
 mod facts;
 mod file;
+mod graph;
 pub mod host;
 mod interface;
 mod pipeline;

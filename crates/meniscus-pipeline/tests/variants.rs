@@ -66,3 +66,10 @@ fn passes_that_are_not_there_are_told() {
     let report = pipelines(&[("v", twice)]).load("v").unwrap_err().to_string();
     assert!(report.contains("two passes are called `fetch`"), "{report}");
 }
+
+#[test]
+fn a_graph_has_every_pass_and_what_lies_between() {
+    let text = common::PIPELINE.replace("\"draw\"", "\"dr\\\"aw\"");
+    let plan = common::plan(&text).unwrap_or_else(|report| panic!("{report}"));
+    insta::assert_snapshot!("graph", plan.dot());
+}
