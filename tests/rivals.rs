@@ -81,6 +81,21 @@ fn a_march_meets_a_floor_where_it_is() {
     }
 }
 
+#[test]
+fn a_field_of_distances_meets_a_floor_where_it_is() {
+    let there = folder();
+    write(&there.path().join("floor.ron"), FLOOR);
+    let results = ablate(
+        there.path(),
+        &["refraction/distance-field"],
+        &["--scene", "floor.ron"],
+    );
+    let row = row(&results, "refraction/distance-field");
+    // Distances to a plane are linear: exact between voxels, however large they are.
+    assert!(number(row, "/error/position_px/p99") < 0.02, "{row}");
+    assert!(number(row, "/error/wrong_object") < 1e-6, "{row}");
+}
+
 /// The share of the water's pixels that show a point more than a decimetre above the waves.
 fn bled(there: &Path, pipeline: &str) -> f64 {
     let (_, shown) = npy_f32(&there.join(format!("{pipeline}.shown.npy")));

@@ -51,6 +51,15 @@ fn distance_leaving(grid: DistanceGrid, place: vec3f, inverse: vec3f) -> f32 {
     return max(min(min(ways.x, ways.y), ways.z), 0.0);
 }
 
+// How far a ray from outside of a grid goes until it enters it; 0 where it never does.
+fn distance_entering(grid: DistanceGrid, place: vec3f, inverse: vec3f) -> f32 {
+    let nearer = select(grid.size - 1.0, vec3f(0.0), inverse > vec3f(0.0));
+    let ways = (nearer - place) * grid.voxel * inverse;
+    let entering = max(max(ways.x, ways.y), ways.z);
+    let leaves = distance_leaving(grid, place, inverse);
+    return select(0.0, entering + 0.01 * grid.voxel, entering > 0.0 && entering < leaves);
+}
+
 // The grid to look in: the finer one where it reaches.
 fn distance_grid(point: vec3f) -> DistanceGrid {
     let finer = distance_grids[0];
@@ -109,7 +118,8 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
     let inverse = 1.0 / select(ray.direction, vec3f(1e-9), still);
     var before = 0.0;
     var gap_before = 0.0;
-    var t = 0.0;
+    let first = distance_grid(ray.origin);
+    var t = distance_entering(first, distance_place(first, ray.origin), inverse);
     var gap = 1.0;
     var within = true;
     for (var i = 0; i < march_steps && gap > 0.0 && within; i++) {
