@@ -4,14 +4,17 @@ use std::path::PathBuf;
 
 use crate::command::{self, Failure};
 
-/// From no refraction to both phases, and the published forms.
-const PIPELINES: [&str; 6] = [
+/// From no refraction to both phases, the published forms, ours, and tracing everything.
+const PIPELINES: [&str; 9] = [
     "refraction/none",
     "refraction/broad",
     "refraction/narrow",
     "refraction/combined",
     "refraction/paper",
     "refraction/paper-literal",
+    "refraction/refined",
+    "refraction/bounded",
+    "refraction/ray-traced",
 ];
 
 /// Runs it and says where the results are.
