@@ -12,7 +12,9 @@ use crate::pipeline::{Pass, Pipeline};
 /// they do the same. Names and descriptions of the pipelines do not count.
 pub fn diff(a: &Pipeline, b: &Pipeline) -> Vec<String> {
     let mut said = Vec::new();
-    let find = |pipeline: &'_ Pipeline, name: &str| pipeline.passes.iter().position(|p| p.name.value == name);
+    let find = |pipeline: &'_ Pipeline, name: &str| {
+        pipeline.passes.iter().position(|p| p.name.value == name)
+    };
     for pass in &a.passes {
         if find(b, &pass.name.value).is_none() {
             said.push(format!("the pass `{}` is left out", pass.name.value));
@@ -26,7 +28,10 @@ pub fn diff(a: &Pipeline, b: &Pipeline) -> Vec<String> {
                     Some(before) => format!("behind `{before}`"),
                     None => "at the start".into(),
                 };
-                said.push(format!("the pass `{}` is added {place}, with `{}`", pass.name.value, pass.skeleton.value));
+                said.push(format!(
+                    "the pass `{}` is added {place}, with `{}`",
+                    pass.name.value, pass.skeleton.value
+                ));
             }
         }
     }
@@ -36,25 +41,51 @@ pub fn diff(a: &Pipeline, b: &Pipeline) -> Vec<String> {
     };
     let (old, new) = (order(a, b), order(b, a));
     if old != new {
-        said.push(format!("the passes run in the order {}, not {}", new.join(", "), old.join(", ")));
+        said.push(format!(
+            "the passes run in the order {}, not {}",
+            new.join(", "),
+            old.join(", ")
+        ));
     }
-    entries("the texture", &plain(&a.textures), &plain(&b.textures), &mut said);
-    entries("the buffer", &plain(&a.buffers), &plain(&b.buffers), &mut said);
+    entries(
+        "the texture",
+        &plain(&a.textures),
+        &plain(&b.textures),
+        &mut said,
+    );
+    entries(
+        "the buffer",
+        &plain(&a.buffers),
+        &plain(&b.buffers),
+        &mut said,
+    );
     if a.output.value != b.output.value {
-        said.push(format!("`{}` comes out, not `{}`", b.output.value, a.output.value));
+        said.push(format!(
+            "`{}` comes out, not `{}`",
+            b.output.value, a.output.value
+        ));
     }
     said
 }
 
 fn plain<T: Debug>(map: &BTreeMap<String, Spanned<T>>) -> BTreeMap<String, String> {
-    map.iter().map(|(name, value)| (name.clone(), format!("{:?}", value.value))).collect()
+    map.iter()
+        .map(|(name, value)| (name.clone(), format!("{:?}", value.value)))
+        .collect()
 }
 
 /// What differs between two maps, called by `what` and the key.
-fn entries(what: &str, a: &BTreeMap<String, String>, b: &BTreeMap<String, String>, said: &mut Vec<String>) {
+fn entries(
+    what: &str,
+    a: &BTreeMap<String, String>,
+    b: &BTreeMap<String, String>,
+    said: &mut Vec<String>,
+) {
     for key in a.keys().chain(b.keys()).collect::<BTreeSet<_>>() {
         match (a.get(key), b.get(key)) {
-            (Some(old), Some(new)) if old != new => said.push(format!("{what} `{key}` is {new}, not {old}")),
+            (Some(old), Some(new)) if old != new => {
+                said.push(format!("{what} `{key}` is {new}, not {old}"))
+            }
             (Some(_), None) => said.push(format!("{what} `{key}` is gone")),
             (None, Some(new)) => said.push(format!("{what} `{key}` is {new}, and was not there")),
             _ => {}
@@ -65,27 +96,55 @@ fn entries(what: &str, a: &BTreeMap<String, String>, b: &BTreeMap<String, String
 fn passes(a: &Pass, b: &Pass, said: &mut Vec<String>) {
     let name = &b.name.value;
     let strings = |map: &BTreeMap<String, Spanned<String>>| -> BTreeMap<String, String> {
-        map.iter().map(|(key, value)| (key.clone(), format!("`{}`", value.value))).collect()
+        map.iter()
+            .map(|(key, value)| (key.clone(), format!("`{}`", value.value)))
+            .collect()
     };
     let mut differs = |what: &str, old: String, new: String| {
         if old != new {
             said.push(format!("in `{name}`, {what} is {new}, not {old}"));
         }
     };
-    differs("the skeleton", a.skeleton.value.clone(), b.skeleton.value.clone());
-    let rule = |pass: &Pass| pass.when.as_ref().map_or("always".to_owned(), |when| when.value.clone());
+    differs(
+        "the skeleton",
+        a.skeleton.value.clone(),
+        b.skeleton.value.clone(),
+    );
+    let rule = |pass: &Pass| {
+        pass.when
+            .as_ref()
+            .map_or("always".to_owned(), |when| when.value.clone())
+    };
     differs("the condition", rule(a), rule(b));
     differs("what it runs over", over(a), over(b));
     let (mut old, mut new) = (BTreeMap::new(), BTreeMap::new());
     fillings("", &a.slots, &mut old);
     fillings("", &b.slots, &mut new);
     entries(&format!("in `{name}`,"), &old, &new, said);
-    entries(&format!("in `{name}`, the number"), &plain(&a.numbers), &plain(&b.numbers), said);
-    entries(&format!("in `{name}`, what is read as"), &strings(&a.reads), &strings(&b.reads), said);
+    entries(
+        &format!("in `{name}`, the number"),
+        &plain(&a.numbers),
+        &plain(&b.numbers),
+        said,
+    );
+    entries(
+        &format!("in `{name}`, what is read as"),
+        &strings(&a.reads),
+        &strings(&b.reads),
+        said,
+    );
     let writes = |pass: &Pass| -> BTreeMap<String, String> {
-        pass.writes.iter().map(|(output, texture)| (output.value.clone(), format!("`{}`", texture.value))).collect()
+        pass.writes
+            .iter()
+            .map(|(output, texture)| (output.value.clone(), format!("`{}`", texture.value)))
+            .collect()
     };
-    entries(&format!("in `{name}`, the target of"), &writes(a), &writes(b), said);
+    entries(
+        &format!("in `{name}`, the target of"),
+        &writes(a),
+        &writes(b),
+        said,
+    );
 }
 
 /// What a pass runs over, without the places where that was written.
@@ -98,7 +157,9 @@ fn over(pass: &Pass) -> String {
             format!("the list `{}` by `{}`", pixels.value, arguments.value)
         }
         PassOver::Screen(over, runs) => format!("{over:?} ({runs:?})"),
-        PassOver::Compute(Dispatch::Indirect(arguments)) => format!("as much as `{}` says", arguments.value),
+        PassOver::Compute(Dispatch::Indirect(arguments)) => {
+            format!("as much as `{}` says", arguments.value)
+        }
         PassOver::Compute(dispatch) => format!("{dispatch:?}"),
     }
 }
@@ -106,13 +167,20 @@ fn over(pass: &Pass) -> String {
 /// Modules, numbers and connections of fillings, by their paths.
 fn fillings(path: &str, slots: &BTreeMap<String, Filling>, found: &mut BTreeMap<String, String>) {
     for (slot, filling) in slots {
-        let path = if path.is_empty() { slot.clone() } else { format!("{path}.{slot}") };
+        let path = if path.is_empty() {
+            slot.clone()
+        } else {
+            format!("{path}.{slot}")
+        };
         found.insert(path.clone(), format!("`{}`", filling.module.value));
         for (name, number) in &filling.numbers {
             found.insert(format!("{path}.{name}"), number.value.to_string());
         }
         for (variable, resource) in &filling.reads {
-            found.insert(format!("{path}.reads.{variable}"), format!("`{}`", resource.value));
+            found.insert(
+                format!("{path}.reads.{variable}"),
+                format!("`{}`", resource.value),
+            );
         }
         fillings(&path, &filling.slots, found);
     }

@@ -211,7 +211,12 @@ fn count(steps: &[Step]) -> usize {
 }
 
 /// Unrolls steps into passes; those of a repetition are numbered from 1.
-pub(crate) fn add_steps(passes: &mut Vec<Pass>, steps: Vec<Step>, suffix: &str, report: &mut Report) {
+pub(crate) fn add_steps(
+    passes: &mut Vec<Pass>,
+    steps: Vec<Step>,
+    suffix: &str,
+    report: &mut Report,
+) {
     for step in steps {
         let pass = match step {
             Step::Draw(d) => (
@@ -294,7 +299,13 @@ pub(crate) fn add_steps(passes: &mut Vec<Pass>, steps: Vec<Step>, suffix: &str, 
         for (slot, value) in slots.iter() {
             if let Value::Number(number) = value.value {
                 let place = value.place.clone();
-                numbers.insert(slot.value.clone(), Spanned { value: number, place });
+                numbers.insert(
+                    slot.value.clone(),
+                    Spanned {
+                        value: number,
+                        place,
+                    },
+                );
                 continue;
             }
             match file::filling(slot, value) {

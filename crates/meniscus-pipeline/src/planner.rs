@@ -510,12 +510,14 @@ impl Planner<'_> {
     fn check_lists(&mut self) {
         for buffer in self.pipeline.lists.values() {
             if !self.pipeline.buffers.contains_key(&buffer.value) {
-                let mut unknown = Diagnostic::error(format!("there is no buffer `{}`", buffer.value));
+                let mut unknown =
+                    Diagnostic::error(format!("there is no buffer `{}`", buffer.value));
                 if let Some(place) = &buffer.place {
                     unknown = unknown.at(place, "not among `buffers`");
                 }
                 let known = self.pipeline.buffers.keys().map(String::as_str);
-                self.report.add(unknown.with_suggestion(&buffer.value, known));
+                self.report
+                    .add(unknown.with_suggestion(&buffer.value, known));
             }
         }
     }

@@ -12,7 +12,9 @@ use crate::pipeline::{self, Pipeline};
 /// All that leads nowhere.
 pub(crate) fn apply(pipeline: &mut Pipeline, variant: VariantFile) -> Result<(), Report> {
     let mut report = Report::default();
-    pipeline.textures.extend(pipeline::textures(variant.textures));
+    pipeline
+        .textures
+        .extend(pipeline::textures(variant.textures));
     pipeline.buffers.extend(pipeline::buffers(variant.buffers));
     if let Some(output) = variant.output {
         pipeline.output = output.colour;
@@ -44,13 +46,20 @@ pub(crate) fn apply(pipeline: &mut Pipeline, variant: VariantFile) -> Result<(),
 
 /// Where a pass stands.
 fn position(pipeline: &Pipeline, name: &Spanned<String>) -> Result<usize, Diagnostic> {
-    let found = pipeline.passes.iter().position(|pass| pass.name.value == name.value);
+    let found = pipeline
+        .passes
+        .iter()
+        .position(|pass| pass.name.value == name.value);
     found.ok_or_else(|| {
-        let mut unknown = Diagnostic::error(format!("`{}` has no pass `{}`", pipeline.name, name.value));
+        let mut unknown =
+            Diagnostic::error(format!("`{}` has no pass `{}`", pipeline.name, name.value));
         if let Some(place) = &name.place {
             unknown = unknown.at(place, "unknown pass");
         }
-        unknown.with_suggestion(&name.value, pipeline.passes.iter().map(|p| p.name.value.as_str()))
+        unknown.with_suggestion(
+            &name.value,
+            pipeline.passes.iter().map(|p| p.name.value.as_str()),
+        )
     })
 }
 
@@ -78,7 +87,10 @@ impl Pipeline {
         };
         if let [connections @ ("reads" | "writes"), name] = path[..] {
             let Value::Module(resource) = &value.value else {
-                return Err(wrong(format!("`{}` wants the name of a resource", key.value)));
+                return Err(wrong(format!(
+                    "`{}` wants the name of a resource",
+                    key.value
+                )));
             };
             let resource = Spanned {
                 value: resource.clone(),
@@ -88,7 +100,11 @@ impl Pipeline {
                 pass.reads.insert(name.to_owned(), resource);
                 return Ok(());
             }
-            match pass.writes.iter_mut().find(|(output, _)| output.value == name) {
+            match pass
+                .writes
+                .iter_mut()
+                .find(|(output, _)| output.value == name)
+            {
                 Some((_, texture)) => *texture = resource,
                 None => {
                     let place = key.place.clone();
@@ -103,7 +119,9 @@ impl Pipeline {
                 "`{}` names a pass; a slot or number must follow",
                 key.value
             ))
-            .with_help("write PASS.SLOT, PASS.SLOT.NUMBER, PASS.reads.VARIABLE or PASS.writes.OUTPUT"));
+            .with_help(
+                "write PASS.SLOT, PASS.SLOT.NUMBER, PASS.reads.VARIABLE or PASS.writes.OUTPUT",
+            ));
         };
         let mut fillings = &mut pass.slots;
         let mut numbers = &mut pass.numbers;

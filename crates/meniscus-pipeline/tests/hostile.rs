@@ -9,11 +9,18 @@ use proptest::prelude::*;
 
 /// Reads a text and plans it; a second one is its variant.
 fn survive(composer: &Composer, text: &str) {
-    for (name, text) in [("p", text.to_owned()), ("v", format!("Variant(of: \"p\", about: \"\", set: {{ {text} }})"))] {
+    for (name, text) in [
+        ("p", text.to_owned()),
+        (
+            "v",
+            format!("Variant(of: \"p\", about: \"\", set: {{ {text} }})"),
+        ),
+    ] {
         match pipelines(&[("p", text.as_str()), (name, text.as_str())]).load(name) {
             Ok(pipeline) => {
                 for shown in [false, true] {
-                    let _ = Plan::new(&pipeline, composer, &Facts::default(), shown).map_err(|report| report.to_string());
+                    let _ = Plan::new(&pipeline, composer, &Facts::default(), shown)
+                        .map_err(|report| report.to_string());
                 }
                 let _ = pipeline.warnings(composer, &Facts::default()).to_string();
             }
@@ -26,12 +33,68 @@ fn survive(composer: &Composer, text: &str) {
 
 fn pieces() -> impl Strategy<Value = String> {
     const WORDS: &[&str] = &[
-        "Pipeline(", "Variant(", "Draw(", "Screen(", "Compute(", "Repeat(", "times: ", "sequence: [", "slots: {", "reads: {", "writes: {",
-        "name: \"", "of: \"", "set: {", "\"draw.shade\"", "\"draw.shade.gain\"", "\"fetch\"", "(", ")", "[", "]", "{", "}", ",", ":", "\"",
-        "NaN", "inf", "1e999", "-1", "99999999999999999999999999999999999999999999", "0x7f", "1_000", "true", "'a'", "Some(", "None",
-        "r#\"", "/*", "*/", "//", "\n", "\r\n", "#![enable(implicit_some)]", "#![enable(", "é", "\u{202e}", "\u{feff}", "\0", "\\u{1F600}", "\\",
-        "over: List(pixels: \"list\", arguments: \"arguments\")", "runs: Compute", "dispatch: Fixed(1, 1, 1)", "when: \"not waves\"",
-        "format: R32Uint", "size: Frame", "\"depth\"", "\"seen\"", "\"frame\"", "\"../../x\"", "passes/store",
+        "Pipeline(",
+        "Variant(",
+        "Draw(",
+        "Screen(",
+        "Compute(",
+        "Repeat(",
+        "times: ",
+        "sequence: [",
+        "slots: {",
+        "reads: {",
+        "writes: {",
+        "name: \"",
+        "of: \"",
+        "set: {",
+        "\"draw.shade\"",
+        "\"draw.shade.gain\"",
+        "\"fetch\"",
+        "(",
+        ")",
+        "[",
+        "]",
+        "{",
+        "}",
+        ",",
+        ":",
+        "\"",
+        "NaN",
+        "inf",
+        "1e999",
+        "-1",
+        "99999999999999999999999999999999999999999999",
+        "0x7f",
+        "1_000",
+        "true",
+        "'a'",
+        "Some(",
+        "None",
+        "r#\"",
+        "/*",
+        "*/",
+        "//",
+        "\n",
+        "\r\n",
+        "#![enable(implicit_some)]",
+        "#![enable(",
+        "é",
+        "\u{202e}",
+        "\u{feff}",
+        "\0",
+        "\\u{1F600}",
+        "\\",
+        "over: List(pixels: \"list\", arguments: \"arguments\")",
+        "runs: Compute",
+        "dispatch: Fixed(1, 1, 1)",
+        "when: \"not waves\"",
+        "format: R32Uint",
+        "size: Frame",
+        "\"depth\"",
+        "\"seen\"",
+        "\"frame\"",
+        "\"../../x\"",
+        "passes/store",
     ];
     prop_oneof![5 => prop::sample::select(WORDS).prop_map(str::to_owned), 1 => any::<char>().prop_map(String::from)]
 }
@@ -85,14 +148,38 @@ fn deep_and_long_files_end() {
         "Some(".repeat(n),
         "/*".repeat(n),
         "Repeat(times: 9, sequence: [".repeat(n),
-        format!("\"draw.shade\": {}\"x\"", "(\"screen/sum\", { \"first\": ".repeat(n)),
-        common::changed("{ \"gain\": 2.0 }", &format!("{{ {} }}", (0..n).map(|i| format!("\"g{i}\": 1,")).collect::<String>())),
-        common::changed("\"screen/texel\"", &format!("{}\"screen/texel\"{}", "(\"screen/sum\", { \"first\": ".repeat(30), " })".repeat(30))),
+        format!(
+            "\"draw.shade\": {}\"x\"",
+            "(\"screen/sum\", { \"first\": ".repeat(n)
+        ),
+        common::changed(
+            "{ \"gain\": 2.0 }",
+            &format!(
+                "{{ {} }}",
+                (0..n).map(|i| format!("\"g{i}\": 1,")).collect::<String>()
+            ),
+        ),
+        common::changed(
+            "\"screen/texel\"",
+            &format!(
+                "{}\"screen/texel\"{}",
+                "(\"screen/sum\", { \"first\": ".repeat(30),
+                " })".repeat(30)
+            ),
+        ),
         common::changed("\"screen/texel\"", &format!("\"{}\"", "x".repeat(500_000))),
         format!("Pipeline(about: \"{}\"", "\\u{41}".repeat(n)),
     ] {
         survive(&composer, &text);
     }
     let steps = "Repeat(times: 1000, sequence: [".repeat(20) + &"])".repeat(20);
-    assert!(load(&common::changed("Draw(name", &format!("{steps}, Draw(name"))).unwrap_err().to_string().contains("1024 passes"));
+    assert!(
+        load(&common::changed(
+            "Draw(name",
+            &format!("{steps}, Draw(name")
+        ))
+        .unwrap_err()
+        .to_string()
+        .contains("1024 passes")
+    );
 }

@@ -27,7 +27,8 @@ fn a_variant_adds_removes_and_connects() {
             },
         )"#,
     );
-    let plan = Plan::new(&changed, &composer(&[]), &Facts::default(), false).unwrap_or_else(|report| panic!("{report}"));
+    let plan = Plan::new(&changed, &composer(&[]), &Facts::default(), false)
+        .unwrap_or_else(|report| panic!("{report}"));
     let names: Vec<_> = plan.passes.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(names, ["draw", "between", "fetch"]);
     assert_eq!(plan.passes[2].shader.bindings[0].resource, "half");
@@ -47,10 +48,18 @@ fn a_variant_adds_removes_and_connects() {
 
 #[test]
 fn a_removed_pass_is_gone_and_told() {
-    let (base, changed) = variant(r#"Variant(of: "base", about: "", remove: ["fetch"], output: (colour: "seen"))"#);
+    let (base, changed) =
+        variant(r#"Variant(of: "base", about: "", remove: ["fetch"], output: (colour: "seen"))"#);
     assert_eq!(changed.passes.len(), 1);
-    assert_eq!(diff(&base, &changed), ["the pass `fetch` is left out", "`seen` comes out, not `frame`"]);
-    Plan::new(&changed, &composer(&[]), &Facts::default(), false).unwrap_or_else(|report| panic!("{report}"));
+    assert_eq!(
+        diff(&base, &changed),
+        [
+            "the pass `fetch` is left out",
+            "`seen` comes out, not `frame`"
+        ]
+    );
+    Plan::new(&changed, &composer(&[]), &Facts::default(), false)
+        .unwrap_or_else(|report| panic!("{report}"));
 }
 
 #[test]
@@ -60,10 +69,16 @@ fn passes_that_are_not_there_are_told() {
         r#"Variant(of: "base", about: "", insert_after: { "fetsh": [] })"#,
     ] {
         let report = pipelines(&[("v", text)]).load("v").unwrap_err().to_string();
-        assert!(report.contains("v.ron:1:") && report.contains("did you mean `fetch`?"), "{report}");
+        assert!(
+            report.contains("v.ron:1:") && report.contains("did you mean `fetch`?"),
+            "{report}"
+        );
     }
     let twice = r#"Variant(of: "base", about: "", insert_after: { "draw": [Screen(name: "fetch", skeleton: "passes/fetch", writes: {})] })"#;
-    let report = pipelines(&[("v", twice)]).load("v").unwrap_err().to_string();
+    let report = pipelines(&[("v", twice)])
+        .load("v")
+        .unwrap_err()
+        .to_string();
     assert!(report.contains("two passes are called `fetch`"), "{report}");
 }
 

@@ -58,7 +58,12 @@ impl Composer {
         let (ir, info) = ir::check(&written, library)?;
         let functions = module
             .functions()
-            .filter_map(|item| Some((item.name.clone(), names.get(item.name.as_str())?.to_string())))
+            .filter_map(|item| {
+                Some((
+                    item.name.clone(),
+                    names.get(item.name.as_str())?.to_string(),
+                ))
+            })
             .collect();
         // A filling by itself has a role that is nobody's path.
         let plain = |path: String| {

@@ -13,7 +13,11 @@ use crate::{contract, instance, ir, text};
 impl Composer {
     /// Checks numbers that a pass gives its skeleton: that they are declared, in range, and of
     /// their type. Those of fillings are checked when they are composed.
-    pub fn check_numbers(&self, skeleton: &str, numbers: &BTreeMap<String, Spanned<f64>>) -> Report {
+    pub fn check_numbers(
+        &self,
+        skeleton: &str,
+        numbers: &BTreeMap<String, Spanned<f64>>,
+    ) -> Report {
         let module = self.library().get(skeleton);
         module.map_or_else(Report::default, |m| contract::check_numbers(m, numbers))
     }

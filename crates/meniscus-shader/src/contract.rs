@@ -229,16 +229,20 @@ pub(crate) fn check_numbers(module: &Module, numbers: &BTreeMap<String, Spanned<
                 None => diagnostic,
             });
         };
-        if module.header.slots.iter().any(|slot| slot.name.text == *name) {
+        if module
+            .header
+            .slots
+            .iter()
+            .any(|slot| slot.name.text == *name)
+        {
             let wrong = Diagnostic::error(format!("the slot `{name}` wants a module"));
             report(&mut found, wrong, "a number");
             continue;
         }
         if !module.overrides().any(|item| item.name == *name) {
             let known = module.overrides().map(|item| item.name.as_str());
-            let unknown =
-                Diagnostic::error(format!("`{}` has no number `{name}`", module.path))
-                    .with_suggestion(name, known);
+            let unknown = Diagnostic::error(format!("`{}` has no number `{name}`", module.path))
+                .with_suggestion(name, known);
             report(&mut found, unknown, "unknown number");
             continue;
         }
@@ -258,11 +262,7 @@ pub(crate) fn check_numbers(module: &Module, numbers: &BTreeMap<String, Spanned<
                 "`{name}` of `{}` goes from {least} to {most}{unit}",
                 module.path
             ));
-            report(
-                &mut found,
-                wrong,
-                &format!("{} is outside", value.value),
-            );
+            report(&mut found, wrong, &format!("{} is outside", value.value));
         } else if matches!(ty, "i32" | "u32") && value.value.fract() != 0.0 {
             let wrong =
                 Diagnostic::error(format!("`{name}` of `{}` is a whole number", module.path));

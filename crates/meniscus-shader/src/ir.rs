@@ -6,7 +6,6 @@ use meniscus_source::{Diagnostic, Report};
 use naga::valid::{Capabilities, GlobalUse, ModuleInfo, ValidationFlags, Validator};
 
 use crate::explain::{chain_of, explain};
-use crate::lexer::Kind;
 use crate::library::Library;
 use crate::shader::{Binding, BindingKind, Sample, Shader};
 use crate::text::Written;
@@ -14,8 +13,6 @@ use crate::text::Written;
 /// naga's parser recurses; texts that nest deeply are given a stack that they cannot exhaust within
 /// the length of chain that is let through.
 const PARSER_STACK: usize = 64 << 20;
-/// The longest chain of operators, accesses, brackets or `else if`s that is handed to naga.
-const MAX_CHAIN: usize = 1000;
 /// The longest that every thread's stack is good for: ten times less than what was seen to exhaust
 /// 2 MiB.
 const HARMLESS_CHAIN: usize = 150;
@@ -49,9 +46,8 @@ pub(crate) fn check(
     written: &Written,
     library: &Library,
 ) -> Result<(naga::Module, ModuleInfo), Report> {
-    let chain = check_chains(written)?;
     let unbound = ValidationFlags::all() - ValidationFlags::BINDINGS;
-    run_naga(chain, || {
+    run_naga(written.chain, || {
         let module = parse(written, library)?;
         let info = validate(&module, unbound, written, library)?;
         Ok((module, info))
@@ -59,9 +55,8 @@ pub(crate) fn check(
 }
 
 pub(crate) fn shader(written: Written, library: &Library) -> Result<Shader, Report> {
-    let chain = check_chains(&written)?;
     let text = written.source.text.as_str();
-    let (module, info, stages) = run_naga(chain, || finish(&written, library))?;
+    let (module, info, stages) = run_naga(written.chain, || finish(&written, library))?;
     let bindings = bindings(&module, &info, &written.resources, &stages);
     let overrides = written
         .overrides
@@ -251,54 +246,4 @@ fn with_bindings(text: &str, variables: &[(usize, String)], bindings: &[Binding]
     }
     bound.push_str(&text[at..]);
     bound
-}
-
-/// Refuses texts on which naga would exhaust its stack: it recurses on chained operators and
-/// accesses, on `else if`, on template lists, and on brackets.
-///
-/// Returns the longest chain.
-fn check_chains(written: &Written) -> Result<usize, Report> {
-    let mut longest = 0;
-    let text = &written.source.text;
-    // How long the chain was when each open bracket was met: a comma goes back to that.
-    let mut open: Vec<usize> = Vec::new();
-    let mut chain = 0;
-    let mut elses = 0;
-    for token in crate::lexer::tokens(text) {
-        match token.kind {
-            Kind::Mark(';' | '{' | '}') => {
-                chain = 0;
-                match &text[token.range.clone()] {
-                    "{" => open.push(0),
-                    "}" => drop(open.pop()),
-                    _ => {}
-                }
-            }
-            Kind::Mark('(' | '[') => {
-                chain += 1;
-                open.push(chain);
-            }
-            Kind::Mark(')' | ']') => drop(open.pop()),
-            Kind::Mark(',') => chain = open.last().copied().unwrap_or(0),
-            Kind::Mark('+' | '-' | '*' | '/' | '%' | '&' | '|' | '^' | '!' | '~' | '<' | '>' | '.') => chain += 1,
-            Kind::Word => match &text[token.range.clone()] {
-                "else" => elses += 1,
-                "fn" => elses = 0,
-                _ => {}
-            },
-            _ => {}
-        }
-        longest = longest.max(chain + open.len() + elses);
-        if chain > MAX_CHAIN || elses > MAX_CHAIN || open.len() > MAX_CHAIN {
-            let mut wrong = Diagnostic::error(format!(
-                "more than {MAX_CHAIN} operators, `else`s or brackets in one go"
-            ))
-            .with_help("split the expression into several, or use a loop or a switch");
-            if let Some(place) = written.source.origin(token.range) {
-                wrong = wrong.at(&place, "here it becomes too long");
-            }
-            return Err(wrong.into());
-        }
-    }
-    Ok(longest)
 }

@@ -56,11 +56,15 @@ pub(crate) fn tokens(text: &str) -> Vec<Token> {
 
 /// Length of the word that a text begins with.
 fn word(text: &str) -> usize {
-    let ascii = text.bytes().take_while(|&b| b == b'_' || b.is_ascii_alphanumeric()).count();
+    let ascii = text
+        .bytes()
+        .take_while(|&b| b == b'_' || b.is_ascii_alphanumeric())
+        .count();
     if text.as_bytes().get(ascii).is_none_or(u8::is_ascii) {
         return ascii;
     }
-    text.find(|c| !(c == '_' || unicode_continue(c))).unwrap_or(text.len())
+    text.find(|c| !(c == '_' || unicode_continue(c)))
+        .unwrap_or(text.len())
 }
 
 fn is_line_break(c: char) -> bool {

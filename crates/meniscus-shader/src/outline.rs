@@ -29,6 +29,8 @@ pub(crate) struct Item {
     pub words: Vec<usize>,
     /// The first of the `words` of each spelling.
     pub spellings: Vec<usize>,
+    /// Its longest chain, on which a parser recurses, and the token where it is reached.
+    pub chain: (usize, usize),
     /// Names that it declares within: parameters and local variables.
     pub locals: BTreeSet<String>,
 }
@@ -147,6 +149,7 @@ impl Outline {
                     locals: locals(text, &self.tokens[start..end], &kind),
                     words,
                     spellings,
+                    chain: longest_chain(text, &self.tokens, start..end),
                     kind,
                     name,
                     name_range,
@@ -193,6 +196,45 @@ fn words(text: &str, tokens: &[Token], range: Range<usize>, is_struct: bool) -> 
         at += 1;
     }
     found
+}
+
+/// The longest chain of operators, accesses, template lists, `else if`s and brackets in an item, and
+/// the token where it is reached.
+fn longest_chain(text: &str, tokens: &[Token], range: Range<usize>) -> (usize, usize) {
+    // How long the chain was when each open bracket was met: a comma goes back to that.
+    let mut open: Vec<usize> = Vec::new();
+    let mut chain = 0;
+    let mut elses = 0;
+    let mut longest = (0, range.start);
+    for index in range {
+        match tokens[index].kind {
+            Kind::Mark(';') => chain = 0,
+            Kind::Mark('{') => {
+                chain = 0;
+                open.push(0);
+            }
+            Kind::Mark('}') => {
+                chain = 0;
+                open.pop();
+            }
+            Kind::Mark('(' | '[') => {
+                chain += 1;
+                open.push(chain);
+            }
+            Kind::Mark(')' | ']') => drop(open.pop()),
+            Kind::Mark(',') => chain = open.last().copied().unwrap_or(0),
+            Kind::Mark(
+                '+' | '-' | '*' | '/' | '%' | '&' | '|' | '^' | '!' | '~' | '<' | '>' | '.',
+            ) => chain += 1,
+            Kind::Word if &text[tokens[index].range.clone()] == "else" => elses += 1,
+            _ => {}
+        }
+        let length = chain + open.len() + elses;
+        if length > longest.0 {
+            longest = (length, index);
+        }
+    }
+    longest
 }
 
 /// Names of parameters, and those after `let`, `var` and `const` within a body.

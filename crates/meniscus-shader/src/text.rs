@@ -95,6 +95,8 @@ pub(crate) struct Written {
     pub source: Source,
     /// The resource that each variable is connected to.
     pub resources: BTreeMap<String, String>,
+    /// The longest chain on which naga will recurse.
+    pub chain: usize,
     /// Where each variable's declaration begins in the text, in order, and its name there.
     pub variables: Vec<(usize, String)>,
     /// Where each variable is declared.
@@ -127,7 +129,9 @@ pub(crate) fn write(instances: &Instances, entry: entry::Written) -> Result<Writ
     written.source.text.push_str(&entry.text);
     for item in Outline::of(&entry.text).items {
         if matches!(item.kind, ItemKind::Variable { .. }) {
-            written.variables.push((start + item.range.start, item.name));
+            written
+                .variables
+                .push((start + item.range.start, item.name));
         }
     }
     written.entry = entry.entry;
@@ -173,6 +177,8 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
     }
     let mut written = HashSet::new();
     let mut variable_starts = Vec::new();
+    let mut chain = 0;
+    let mut report = Report::default();
     for (index, part) in all.iter().enumerate() {
         let instance = &instances.all[index];
         // Several instances may share an item, and several modules a resource.
@@ -190,6 +196,10 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
         };
         let _ = writeln!(source.text, "// ---- {}{role}", instance.module.path);
         for (_, item) in wanted {
+            chain = chain.max(item.chain.0);
+            if item.chain.0 > MAX_CHAIN {
+                report.add(too_long(instance.module, item));
+            }
             let start = copy_item(&mut source, instance.module, item, &names[index]);
             if matches!(item.kind, ItemKind::Variable { .. }) {
                 variable_starts.push((start, names[index][item.name.as_str()].to_string()));
@@ -197,6 +207,8 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
             source.text.push_str("\n\n");
         }
     }
+
+    report.into_result(())?;
 
     // The entry points' own variables are connected like everything that is shared.
     let mut resources = instances.reads.clone();
@@ -239,6 +251,7 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
     });
     Ok(Written {
         source,
+        chain,
         variables: variable_starts,
         resources,
         declarations,
@@ -267,11 +280,7 @@ struct Part<'p> {
     mentions: Vec<Vec<&'p str>>,
 }
 
-fn collect<'p>(
-    instances: &'p Instances,
-    names: &'p [Names],
-    report: &mut Report,
-) -> Vec<Part<'p>> {
+fn collect<'p>(instances: &'p Instances, names: &'p [Names], report: &mut Report) -> Vec<Part<'p>> {
     let mut declared: HashMap<&str, (&Module, &Item)> = HashMap::new();
     let mut all = Vec::new();
     for (instance, names) in instances.all.iter().zip(names) {
@@ -319,6 +328,18 @@ fn collect<'p>(
         }
     }
     all
+}
+
+/// The longest chain of operators, accesses, brackets or `else if`s that is handed to naga.
+const MAX_CHAIN: usize = 1000;
+
+fn too_long(module: &Module, item: &Item) -> Diagnostic {
+    let token = &module.outline.tokens[item.chain.1];
+    Diagnostic::error(format!(
+        "more than {MAX_CHAIN} operators, `else`s and brackets in one go"
+    ))
+    .at(&module.place(token.range.clone()), "here it is longest")
+    .with_help("split the expression into several, or use a loop or a switch")
 }
 
 /// A word that only another module's items are called by: naga would accept it as long as that

@@ -14,20 +14,87 @@ use proptest::prelude::*;
 fn survive(path: &str, text: &str) {
     let (composer, report) = library(&[(path, text)]);
     let _ = (report.to_string(), composer.check_module(path).to_string());
-    for slots in [vec![("deflect", plain(path))], vec![("intersect", plain("geometry/taps")), ("shift", plain(path))]] {
-        let _ = composer.compose(&recipe(&slots)).map_err(|report| report.to_string());
+    for slots in [
+        vec![("deflect", plain(path))],
+        vec![
+            ("intersect", plain("geometry/taps")),
+            ("shift", plain(path)),
+        ],
+    ] {
+        let _ = composer
+            .compose(&recipe(&slots))
+            .map_err(|report| report.to_string());
     }
-    let _ = composer.compose(&Recipe { skeleton: Spanned::unplaced(path.to_owned()), ..recipe(&[]) });
+    let _ = composer.compose(&Recipe {
+        skeleton: Spanned::unplaced(path.to_owned()),
+        ..recipe(&[])
+    });
 }
 
 /// Pieces that mean something to headers or to WGSL.
 fn pieces() -> impl Strategy<Value = String> {
     const WORDS: &[&str] = &[
-        "// ", "\n", "\r\n", "provides:", "needs:", "slots:", "requires:", "number ", "when ", "skeleton: screen", "outputs:",
-        "workgroup:", "deflect", "intersect", "geometry/ray", "../../etc", "a/b", ",", "=", ":", ";", "{", "}", "(", ")", "<", ">",
-        "fn ", "struct ", "var", "override ", "const ", "alias ", "const_assert ", "@", "@builtin(", "Ray", "f32", "vec3f",
-        "1e999", "0x", "99999999999999999999", "1.", "/*", "*/", "é", "\u{2028}", "\u{202e}", "\u{feff}", "𝔘", "\0", "enable f16;",
-        "return ", "let ", "->", "array<", "ptr<function,", "texture_2d<f32>", "loop ", "switch ", "else if ",
+        "// ",
+        "\n",
+        "\r\n",
+        "provides:",
+        "needs:",
+        "slots:",
+        "requires:",
+        "number ",
+        "when ",
+        "skeleton: screen",
+        "outputs:",
+        "workgroup:",
+        "deflect",
+        "intersect",
+        "geometry/ray",
+        "../../etc",
+        "a/b",
+        ",",
+        "=",
+        ":",
+        ";",
+        "{",
+        "}",
+        "(",
+        ")",
+        "<",
+        ">",
+        "fn ",
+        "struct ",
+        "var",
+        "override ",
+        "const ",
+        "alias ",
+        "const_assert ",
+        "@",
+        "@builtin(",
+        "Ray",
+        "f32",
+        "vec3f",
+        "1e999",
+        "0x",
+        "99999999999999999999",
+        "1.",
+        "/*",
+        "*/",
+        "é",
+        "\u{2028}",
+        "\u{202e}",
+        "\u{feff}",
+        "𝔘",
+        "\0",
+        "enable f16;",
+        "return ",
+        "let ",
+        "->",
+        "array<",
+        "ptr<function,",
+        "texture_2d<f32>",
+        "loop ",
+        "switch ",
+        "else if ",
     ];
     prop_oneof![4 => prop::sample::select(WORDS).prop_map(str::to_owned), 1 => any::<char>().prop_map(String::from)]
 }
@@ -85,7 +152,9 @@ fn filling(text: &str) -> String {
 #[test]
 fn deep_and_long_texts_end_with_a_message() {
     let n = 60_000;
-    let repeated = |open: &str, inner: &str, close: &str| format!("{}{inner}{}", open.repeat(n), close.repeat(n));
+    let repeated = |open: &str, inner: &str, close: &str| {
+        format!("{}{inner}{}", open.repeat(n), close.repeat(n))
+    };
     for body in [
         format!("return {};", repeated("(", "x", ")")),
         format!("return x{};", " + x".repeat(n)),
@@ -110,7 +179,11 @@ fn deep_and_long_texts_end_with_a_message() {
         let report = composer.check_module("a");
         let said = headers.to_string() + &report.to_string();
         // Lengths that are harmless may be right; everything else is told, and at its place.
-        assert!(said.is_empty() || said.contains("a.wgsl:"), "{}: {said:.300}", &body[..20.min(body.len())]);
+        assert!(
+            said.is_empty() || said.contains("a.wgsl:"),
+            "{}: {said:.300}",
+            &body[..20.min(body.len())]
+        );
     }
 }
 
@@ -127,9 +200,16 @@ fn costly_constants_are_bounded() {
 }
 
 fn report_of(modules: &[(String, String)], slots: &[(&str, Filling)]) -> Report {
-    let named = modules.iter().map(|(path, text)| (path.as_str(), SourceFile::new(format!("{path}.wgsl"), text.as_str())));
+    let named = modules.iter().map(|(path, text)| {
+        (
+            path.as_str(),
+            SourceFile::new(format!("{path}.wgsl"), text.as_str()),
+        )
+    });
     let base = sources(&[]);
-    let base = base.iter().map(|(path, file)| (path.as_str(), file.clone()));
+    let base = base
+        .iter()
+        .map(|(path, file)| (path.as_str(), file.clone()));
     let (library, mut report) = Library::new(base.chain(named));
     if let Err(wrong) = Composer::new(library).compose(&recipe(slots)) {
         report.extend(wrong);
@@ -140,27 +220,55 @@ fn report_of(modules: &[(String, String)], slots: &[(&str, Filling)]) -> Report 
 #[test]
 fn ten_thousand_modules_in_a_chain_a_circle_or_a_lattice() {
     let n = 10_000;
-    let start = ("start".to_owned(), filling("return x;").replace("// provides: shift", "// provides: shift\n// needs: m0"));
-    let slots = [("intersect", plain("geometry/plane")), ("shift", plain("start"))];
-    let module = |i: usize, needs: String| (format!("m{i}"), format!("// M.\n//\n// needs: {needs}\n\nconst m{i} = 1.0;\n"));
+    let start = (
+        "start".to_owned(),
+        filling("return x;").replace("// provides: shift", "// provides: shift\n// needs: m0"),
+    );
+    let slots = [
+        ("intersect", plain("geometry/plane")),
+        ("shift", plain("start")),
+    ];
+    let module = |i: usize, needs: String| {
+        (
+            format!("m{i}"),
+            format!("// M.\n//\n// needs: {needs}\n\nconst m{i} = 1.0;\n"),
+        )
+    };
 
-    let mut chain: Vec<_> = (0..n - 1).map(|i| module(i, format!("m{}", i + 1))).collect();
+    let mut chain: Vec<_> = (0..n - 1)
+        .map(|i| module(i, format!("m{}", i + 1)))
+        .collect();
     chain.push(module(n - 1, "geometry/ray".into()));
     chain.push(start.clone());
     assert!(report_of(&chain, &slots).to_string().contains("deep"));
 
-    let mut circle: Vec<_> = (0..n).map(|i| module(i, format!("m{}", (i + 1) % n))).collect();
+    let mut circle: Vec<_> = (0..n)
+        .map(|i| module(i, format!("m{}", (i + 1) % n)))
+        .collect();
     circle.push(start.clone());
     assert!(!report_of(&circle, &slots).is_ok());
-    let mut short: Vec<_> = (0..50).map(|i| module(i, format!("m{}", (i + 1) % 50))).collect();
+    let mut short: Vec<_> = (0..50)
+        .map(|i| module(i, format!("m{}", (i + 1) % 50)))
+        .collect();
     short.push(start.clone());
-    assert!(report_of(&short, &slots).to_string().contains("modules need each other: m0 → m1 → "));
+    assert!(
+        report_of(&short, &slots)
+            .to_string()
+            .contains("modules need each other: m0 → m1 → ")
+    );
 
     // Every layer needs both of the next: 2^80 ways, 160 modules.
     let mut lattice: Vec<_> = (0..160)
         .map(|i| {
             let next = (i / 2 + 1) * 2;
-            module(i, if next < 160 { format!("m{next}, m{}", next + 1) } else { "geometry/ray".into() })
+            module(
+                i,
+                if next < 160 {
+                    format!("m{next}, m{}", next + 1)
+                } else {
+                    "geometry/ray".into()
+                },
+            )
         })
         .collect();
     lattice.push(start);
@@ -171,31 +279,77 @@ fn ten_thousand_modules_in_a_chain_a_circle_or_a_lattice() {
 fn slots_that_lead_to_slots_end() {
     let n = 10_000;
     let slot = |i: usize, calls: &str| {
-        (format!("slots/s{i}"), format!("// S.\n//\n// slots: {calls}\n\nfn s{i}(x: f32) -> f32 {{\n    return x;\n}}\n"))
+        (
+            format!("slots/s{i}"),
+            format!(
+                "// S.\n//\n// slots: {calls}\n\nfn s{i}(x: f32) -> f32 {{\n    return x;\n}}\n"
+            ),
+        )
     };
-    let user = ("start".to_owned(), filling("return s0(x);").replace("// provides: shift", "// provides: shift\n// slots: s0"));
-    let slots = [("intersect", plain("geometry/plane")), ("shift", plain("start"))];
+    let user = (
+        "start".to_owned(),
+        filling("return s0(x);").replace("// provides: shift", "// provides: shift\n// slots: s0"),
+    );
+    let slots = [
+        ("intersect", plain("geometry/plane")),
+        ("shift", plain("start")),
+    ];
     for circle in [false, true] {
-        let mut modules: Vec<_> = (0..n).map(|i| slot(i, &format!("s{}", if circle { (i + 1) % n } else { (i + 1).min(n - 1) }))).collect();
+        let mut modules: Vec<_> = (0..n)
+            .map(|i| {
+                slot(
+                    i,
+                    &format!(
+                        "s{}",
+                        if circle {
+                            (i + 1) % n
+                        } else {
+                            (i + 1).min(n - 1)
+                        }
+                    ),
+                )
+            })
+            .collect();
         modules.push(user.clone());
         assert!(!report_of(&modules, &slots).is_ok());
     }
     let mut deep = plain("geometry/plane");
     // RON itself nests no deeper than 128.
     for _ in 0..300 {
-        deep = Filling { slots: BTreeMap::from([("tap".to_owned(), deep)]), ..plain("geometry/taps") };
+        deep = Filling {
+            slots: BTreeMap::from([("tap".to_owned(), deep)]),
+            ..plain("geometry/taps")
+        };
     }
-    assert!(report_of(&[], &[("intersect", deep)]).to_string().contains("deep"));
+    assert!(
+        report_of(&[], &[("intersect", deep)])
+            .to_string()
+            .contains("deep")
+    );
 }
 
 #[test]
 fn windows_line_ends_change_nothing_but_themselves() {
-    let unix: Vec<(&str, String)> = BASE.iter().map(|(path, text)| (*path, (*text).to_owned())).collect();
-    let dos: Vec<(&str, String)> = BASE.iter().map(|(path, text)| (*path, text.replace('\n', "\r\n"))).collect();
+    let unix: Vec<(&str, String)> = BASE
+        .iter()
+        .map(|(path, text)| (*path, (*text).to_owned()))
+        .collect();
+    let dos: Vec<(&str, String)> = BASE
+        .iter()
+        .map(|(path, text)| (*path, text.replace('\n', "\r\n")))
+        .collect();
     let compose = |modules: &[(&str, String)]| {
-        let modules: Vec<(&str, &str)> = modules.iter().map(|(path, text)| (*path, text.as_str())).collect();
-        let slots = [("deflect", plain("optics/bent")), ("intersect", plain("geometry/taps"))];
-        common::compose(&common::composer(&modules), &recipe(&slots)).text.clone()
+        let modules: Vec<(&str, &str)> = modules
+            .iter()
+            .map(|(path, text)| (*path, text.as_str()))
+            .collect();
+        let slots = [
+            ("deflect", plain("optics/bent")),
+            ("intersect", plain("geometry/taps")),
+        ];
+        common::compose(&common::composer(&modules), &recipe(&slots))
+            .text
+            .clone()
     };
     assert_eq!(compose(&dos).replace("\r\n", "\n"), compose(&unix));
 }
