@@ -13,7 +13,7 @@ fn picture(path: &Path, change: i16) {
         let grey = (60 + x + 2 * y) as i16 + change;
         Rgb([grey.clamp(0, 255) as u8; 3])
     };
-    RgbImage::from_fn(32, 24, |x, y| colour(x, y))
+    RgbImage::from_fn(32, 24, colour)
         .save(path)
         .expect("a picture is written");
 }
