@@ -49,8 +49,8 @@ pub enum Stage {
     List,
 }
 
-/// A text, and the resources that its variables are connected to.
-type Key = (String, BTreeMap<String, String>);
+/// The blake3 hash of a text, and the resources that its variables are connected to.
+type Key = ([u8; 32], BTreeMap<String, String>);
 
 type Composed = OnceLock<Result<Arc<Shader>, Report>>;
 
@@ -89,7 +89,8 @@ impl Composer {
     pub fn compose(&self, recipe: &Recipe) -> Result<Arc<Shader>, Report> {
         let written = self.write(recipe)?;
         // Text and connections hold everything that decides the outcome, so they are the key.
-        let key = (written.source.text.clone(), written.resources.clone());
+        let hash = blake3::hash(written.source.text.as_bytes());
+        let key = (*hash.as_bytes(), written.resources.clone());
         let lock = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         let cell = lock().entry(key.clone()).or_default().clone();
         // Whoever comes second waits for the first rather than compose the same.

@@ -261,7 +261,7 @@ fn draw(skeleton: &Module, recipe: &Recipe) -> Result<Written, Report> {
             &format!("`{}` needs a member `clip: vec4f`", vertex.result),
         ));
     }
-    for member in members.iter().filter(|m| !is_io(&m.ty)) {
+    if let Some(member) = members.iter().find(|m| !is_io(&m.ty)) {
         return Err(wrong_function(
             skeleton,
             &vertex,
