@@ -4,10 +4,13 @@ use std::f64::consts::TAU;
 
 use glam::{DVec3, UVec2, Vec3};
 use meniscus_pipeline::{Size, host};
-use meniscus_scene::{Camera, Material, Pattern, Scene, Sky, Sun, View, Water};
+use meniscus_scene::{
+    Camera, Material, Pattern, Scene, Sky, Sun, View, Water, WaterGeometry,
+};
 
 use crate::guard::{self, GUARD_MAX, GuardFacts};
 use crate::layout::Value;
+use crate::sight::Sight;
 
 /// A scene without its mesh: what uniform blocks and small arrays are made of.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,9 +71,13 @@ impl HostScene {
         }
     }
 
-    /// Whether the eye is above the rest plane or on it.
+    /// Whether the eye is above the water that rays meet, or on it.
     pub fn eye_above(&self) -> bool {
-        self.camera.eye.z >= self.water.level
+        let waves = match self.water.geometry {
+            WaterGeometry::Flat => 0.0,
+            WaterGeometry::Displaced => self.water.height(self.camera.eye.truncate()),
+        };
+        self.camera.eye.z >= self.water.level + waves
     }
 
     /// The views of a frame of this size over a scene that reaches from the lowest to the highest z.
@@ -89,6 +96,17 @@ impl HostScene {
             frame,
             guarded: frame.guarded(guard),
         }
+    }
+
+    /// What flat water does to the view of what stands behind it.
+    pub fn sight(&self, views: &Views) -> Sight {
+        let level = self.water.level as f32;
+        Sight::new(
+            views.guarded,
+            level,
+            self.eye_above(),
+            self.relative_index(),
+        )
     }
 
     fn relative_index(&self) -> f64 {

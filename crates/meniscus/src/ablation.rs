@@ -174,6 +174,18 @@ impl Ablation {
             found.push(row);
             rows.push(outcome);
         }
+        let mut preprocessing = Map::new();
+        for (name, ms) in [
+            ("bvh_ms", stage.scene.build_ms()),
+            ("distance_field_ms", stage.scene.distance_field_ms()),
+        ] {
+            if let Some(ms) = ms {
+                preprocessing.insert(name.to_owned(), json!(ms));
+            }
+        }
+        let mut more = Map::new();
+        more.insert("preprocessing".to_owned(), Value::Object(preprocessing));
+        more.insert("scene_bytes".to_owned(), json!(stage.scene.bytes()));
         let judged = rows.first().map(|row| &row.judgement);
         let results = Results {
             provenance: provenance(gpu),
@@ -187,7 +199,7 @@ impl Ablation {
             water_pixels: judged.map_or(0, |j| j.water_pixels),
             undefined_pixels: judged.map_or(0, |j| j.undefined_pixels),
             rows: found,
-            more: Map::new(),
+            more,
         };
         Ok(Outcome {
             results,
