@@ -4,6 +4,7 @@
 // provides: intersect
 // needs: geometry/ray, geometry/hit, water/body
 // slots: behind: intersect, before: intersect
+// domain: intersect(texel -100 to 1e4)
 
 fn intersect(ray: Ray, texel: vec2f) -> Hit {
     if water.camera_side * ray.direction.z > 0.0 {

@@ -1,8 +1,8 @@
 // What a ray meets.
 //
 // needs: geometry/ray
-// domain: Hit(position -1e4 to 1e4, normal unit, shading_normal unit, object 0 to 1e4, texel -100 to 1e4, residual 0 to 1e6, direction unit)
-// domain: no_hit(texel -1e4 to 1e4)
+// domain: Hit(position -1e4 to 1e4 from 1e-6, normal unit, shading_normal unit, object 0 to 1e4, texel -100 to 1e4, residual 0 to 1e6, direction unit)
+// domain: no_hit(texel -1e4 to 1e4 from 1e-6)
 
 // `position`: world space, metres. `normal`: unit geometric normal, towards the outside of the
 // object. `shading_normal`: unit. `object`: its id. `texel`: where it appears in the seen buffers.

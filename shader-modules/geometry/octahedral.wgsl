@@ -11,9 +11,10 @@ fn octahedral_signs(v: vec2f) -> vec2f {
 }
 
 fn octahedral_encoded(v: vec3f) -> vec2f {
-    let projected = v.xy / max(abs(v.x) + abs(v.y) + abs(v.z), 1e-20);
-    let folded = (1.0 - abs(projected.yx)) * octahedral_signs(projected);
-    return select(projected, folded, v.z < 0.0);
+    let sum = max(abs(v.x) + abs(v.y) + abs(v.z), 1e-20);
+    // 1 − |y| / sum, written so that nothing cancels; and likewise for the other.
+    let folded = (abs(v.xy) + abs(v.z)) * octahedral_signs(v.xy);
+    return select(v.xy, folded, v.z < 0.0) / sum;
 }
 
 fn octahedral_decoded(e: vec2f) -> vec3f {

@@ -3,7 +3,7 @@
 //
 // needs: optics/flat_crossing, water/body
 // slots: crossing
-// domain: apparent_point(point -1e4 to 1e4, eye -1e4 to 1e4)
+// domain: apparent_point(point -1e4 to 1e4 from 1e-6, eye -1e4 to 1e4 from 1e-6)
 
 // Depths relative to the rest plane and the crossing between an eye and a point.
 struct FlatPath {

@@ -3,6 +3,7 @@
 //
 // provides: place
 // needs: optics/mirrored_point
+// domain: place(point -1e4 to 1e4 from 1e-6)
 
 fn place(point: vec3f) -> vec3f {
     return mirrored_point(point);

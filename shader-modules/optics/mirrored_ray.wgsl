@@ -2,6 +2,7 @@
 //
 // provides: deflect
 // needs: geometry/ray, optics/deflected
+// domain: deflect(normal unit)
 
 fn deflect(incident: Ray, normal: vec3f) -> Deflected {
     return Deflected(Ray(incident.origin, reflect(incident.direction, normal)), true);

@@ -4,7 +4,7 @@
 //
 // provides: place
 // needs: optics/flat_water, screen/target, water/body
-// domain: place(point -1e4 to 1e4)
+// domain: place(point -1e4 to 1e4 from 1e-6)
 
 fn place(point: vec3f) -> vec3f {
     let path = flat_path(point, view_target.eye);

@@ -1,4 +1,6 @@
 // The texels around one, nearest first.
+//
+// domain: neighbour(i 0 to 23)
 
 // How many there are: the 24 of a square of five by five.
 const NEIGHBOURS = 24;

@@ -2,7 +2,7 @@
 //
 // provides: reproject
 // needs: screen/seen_view
-// domain: reproject(point -1e4 to 1e4)
+// domain: reproject(point -1e4 to 1e4 from 1e-6)
 
 fn reproject(point: vec3f) -> vec2f {
     return view_pixel(view_seen(), point).xy;

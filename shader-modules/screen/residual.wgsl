@@ -1,8 +1,8 @@
 // How far a sampled point is from a ray, as an estimate of a pixel's error.
 //
 // needs: geometry/ray, screen/target, water/body
-// domain: residual_px(point -1e4 to 1e4)
-// domain: is_seen(texel -1e4 to 1e4)
+// domain: residual_px(point -1e4 to 1e4 from 1e-6)
+// domain: is_seen(texel -1e4 to 1e4 from 1e-6)
 
 // A place that is outside the seen buffers, or shows nothing, tells nothing: the largest residual.
 const UNKNOWN_RESIDUAL = 1e6;

@@ -3,7 +3,7 @@
 //
 // provides: reproject
 // needs: screen/seen_view, optics/flat_water
-// domain: reproject(point -1e4 to 1e4)
+// domain: reproject(point -1e4 to 1e4 from 1e-6)
 
 fn reproject(point: vec3f) -> vec2f {
     return view_pixel(view_seen(), apparent_point(point, view_target.eye)).xy;

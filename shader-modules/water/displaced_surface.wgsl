@@ -8,7 +8,7 @@
 // slots: surface
 // number march_steps: 1 to 256, step 1
 // number newton_steps: 1 to 16, step 1
-// domain: meet(ray.origin -100 to 100, ray.direction unit)
+// domain: meet(ray.origin -100 to 100 from 1e-6, ray.direction unit)
 
 override march_steps: i32 = 128;
 override newton_steps: i32 = 8;

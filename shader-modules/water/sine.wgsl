@@ -2,7 +2,7 @@
 // The angle is reduced to ±π/4 with π/2 in three parts (Cody and Waite 1980), then Taylor's series to
 // the ninth and eighth power: below half a unit in the last place there. Radians.
 //
-// domain: cosine_and_sine(angle -5e4 to 5e4) against circle
+// domain: cosine_and_sine(angle -5e4 to 5e4 from 1e-9) against circle
 
 // x: cosine, y: sine.
 fn cosine_and_sine(angle: f32) -> vec2f {

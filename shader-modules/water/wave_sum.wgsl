@@ -3,7 +3,7 @@
 //
 // provides: surface
 // needs: water/shape, water/sine
-// domain: surface(at -1e3 to 1e3)
+// domain: surface(at -1e3 to 1e3 from 1e-6)
 
 struct Wave {
     wave_vector: vec2f,

@@ -8,8 +8,9 @@
 //!
 //! A function has an entry for each argument, or for the members of one (`ray.origin`); a structure
 //! has entries for its members, which hold wherever a function takes one. A range is `LEAST to MOST`
-//! with every float equally likely (or `linear`: every number, or `log`: every decade), `unit` for
-//! unit vectors, or `is` with the components of something fixed. `near` names a place that some of
+//! with every float equally likely (or `linear`: every number, or `log`: every decade, or
+//! `from MAGNITUDE`: every decade on both sides of 0 from a magnitude on, and 0), `unit` for unit
+//! vectors, or `is` with the components of something fixed. `near` names a place that some of
 //! the inputs are drawn close to: a product and quotient of other arguments, host values and
 //! `sine(a, b)` of two unit vectors. `against` names an independent truth. Truth values need no range.
 
@@ -54,6 +55,7 @@ enum Scale {
     Bits,
     Linear,
     Log,
+    From(f64),
 }
 
 /// A part of a product; `inverse` for a divisor.
@@ -169,7 +171,15 @@ impl Reader<'_> {
                     [] => Scale::Bits,
                     ["linear"] => Scale::Linear,
                     ["log"] => Scale::Log,
-                    _ => return Err(bad("only `linear`, `log` or `near` may follow a range")),
+                    ["from", magnitude] => match number(magnitude).filter(|m| *m > 0.0) {
+                        Some(magnitude) => Scale::From(magnitude),
+                        None => return Err(bad("`from` wants a positive magnitude")),
+                    },
+                    _ => {
+                        return Err(bad(
+                            "only `linear`, `log`, `from` or `near` may follow a range",
+                        ));
+                    }
                 };
                 let (Some(least), Some(most)) = (number(least), number(most)) else {
                     return Err(bad("a bound is no finite number"));
@@ -380,6 +390,7 @@ impl<'a> Collected<'a> {
                         Scale::Bits => Range::Bits(low, high),
                         Scale::Linear => Range::Linear(low, high),
                         Scale::Log => Range::Log(low, high),
+                        Scale::From(least) => Range::Coordinate(low, high, *least as f32),
                     }
                 }
             };

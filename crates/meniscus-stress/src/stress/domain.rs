@@ -21,6 +21,9 @@ pub enum Range {
     Linear(f32, f32),
     /// Every decade is equally likely; both bounds are positive, or both negative.
     Log(f32, f32),
+    /// Every decade from a least magnitude on is equally likely, on both sides of 0 as far as the
+    /// bounds reach; what would be nearer to 0 is 0: least and most, and the magnitude.
+    Coordinate(f32, f32, f32),
     /// Integers, all equally likely; truth values are 0 and 1.
     Whole(i64, i64),
     /// A vector of length 1, all directions equally likely; for a whole argument.
@@ -127,11 +130,10 @@ impl Domain {
             Range::Bits(low, high) | Range::Linear(low, high) | Range::Log(low, high) => {
                 low == high
             }
-            Range::Whole(..) | Range::Unit => false,
+            Range::Whole(..) | Range::Unit | Range::Coordinate(..) => false,
         };
-        (0..self.leaves.len()).filter(move |&i| {
-            self.leaves[i].kind == Kind::Float && !fixed(&self.leaves[i].range)
-        })
+        (0..self.leaves.len())
+            .filter(move |&i| self.leaves[i].kind == Kind::Float && !fixed(&self.leaves[i].range))
     }
 
     /// The numbers of an input, as `f64`.
@@ -300,6 +302,14 @@ fn leaves_of(shape: &Shape, range: &Range) -> Option<Vec<Leaf>> {
         Range::Bits(low, high) | Range::Linear(low, high) => {
             low <= high && low.is_finite() && high.is_finite() && all_are(Kind::Float)
         }
+        Range::Coordinate(low, high, least) => {
+            let reach = high.max(-low);
+            low <= high
+                && least > 0.0
+                && least <= reach
+                && reach.is_finite()
+                && all_are(Kind::Float)
+        }
         Range::Log(low, high) => {
             low <= high && low * high > 0.0 && high.is_finite() && all_are(Kind::Float)
         }
@@ -342,6 +352,22 @@ impl Leaf {
                 let magnitude = (a + (b - a) * rng.f64()).exp() as f32;
                 self.nearest(magnitude.copysign(low).to_bits())
             }
+            Range::Coordinate(low, high, least) => {
+                let negative = if high <= 0.0 || low >= 0.0 {
+                    high <= 0.0
+                } else {
+                    rng.bool()
+                };
+                let reach = f64::from(if negative { -low } else { high });
+                let (a, b) = (f64::from(least).ln(), reach.ln());
+                let magnitude = if rng.u8(0..16) == 0 {
+                    0.0
+                } else {
+                    (a + (b - a) * rng.f64()).exp()
+                };
+                let signed = if negative { -magnitude } else { magnitude };
+                self.nearest((signed as f32).to_bits())
+            }
             Range::Whole(low, high) => rng.i64(low..=high) as u32,
             Range::Unit => rng.f32().to_bits(),
         }
@@ -357,6 +383,16 @@ impl Leaf {
                 } else {
                     x.clamp(low, high).to_bits()
                 }
+            }
+            Range::Coordinate(low, high, least) => {
+                let x = f32::from_bits(word);
+                let far = x.abs() >= least;
+                let inside = if far {
+                    x.clamp(low, high)
+                } else {
+                    0.0_f32.clamp(low, high)
+                };
+                inside.to_bits()
             }
             Range::Whole(low, high) => {
                 let n = if self.kind == Kind::Sint {
@@ -379,6 +415,12 @@ impl Leaf {
                     .filter(|n| (low..=high).contains(n))
                     .map(|&n| n as u32)
                     .collect()
+            }
+            Range::Coordinate(low, high, least) => {
+                let mut all = vec![low, high, 0.0, least, -least, 1.0, -1.0, 0.5, -2.0];
+                all.extend([1.0_f32.next_down(), 1.0_f32.next_up()]);
+                all.retain(|x| (low..=high).contains(x));
+                all.into_iter().map(f32::to_bits).collect()
             }
             Range::Bits(low, high) | Range::Linear(low, high) | Range::Log(low, high) => {
                 let least = f32::from_bits(1);

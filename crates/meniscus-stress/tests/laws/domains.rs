@@ -177,6 +177,7 @@ fn wrong_domains_are_told_with_their_place() {
         ("f(x 2 to 1)", "out of order"),
         ("f(x -1 to 1 log)", "across 0"),
         ("f(x 1 to 2 loud)", "may follow"),
+        ("f(x 1 to 2 from 0)", "positive magnitude"),
         ("f(x)", "no range"),
         ("f(x unit)", "only vectors"),
         ("f(x is 1 2)", "as many"),

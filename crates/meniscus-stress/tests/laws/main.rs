@@ -8,3 +8,4 @@ mod lab;
 mod optics;
 mod screen;
 mod water;
+mod worst;

@@ -278,7 +278,8 @@ fn positions_do_not_mix_objects() {
 #[test]
 fn a_plane_is_met_where_flat_water_bends_the_pixels_ray_to() {
     for (index, above) in [(1.333, true), (2.5, true), (1.0, true)] {
-        let mut lab = Lab::of("screen/seen_planes").water(index, above);
+        let slots = choice(&[("deflect", "optics/refracted_ray")]);
+        let mut lab = Lab::with(&composer(&[]), "screen/seen_planes", &slots).water(index, above);
         let eye = DVec3::new(0.3, -4.0, 1.7);
         // The floor z = −2: its distance from the eye along the normal (0, 0, 1).
         let distance = (-2.0 - eye.z) as f32;
