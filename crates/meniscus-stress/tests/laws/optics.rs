@@ -221,8 +221,8 @@ fn a_flat_normal_refracts_as_flat_water() {
 fn a_flat_normal_leaves_the_camera_ray_where_it_is_turned_or_sheared() {
     for path in ["optics/rotated_camera_ray", "optics/offset_by_normal"] {
         let (incident, _, found) = deflected(path, 1.333, true, true);
-        for lane in 0..LANES {
-            assert!((vec3(&found, 3, lane) - incident[lane]).length() < 5e-7);
+        for (lane, incident) in incident.iter().enumerate() {
+            assert!((vec3(&found, 3, lane) - *incident).length() < 5e-7);
         }
     }
 }
@@ -231,8 +231,8 @@ fn a_flat_normal_leaves_the_camera_ray_where_it_is_turned_or_sheared() {
 fn turned_rays_make_the_angle_with_the_wave_that_they_made_with_the_flat_water() {
     let (_, _, flat) = deflected("optics/rotated_refracted_ray", 1.333, true, true);
     let (_, normal, found) = deflected("optics/rotated_refracted_ray", 1.333, true, false);
-    for lane in 0..LANES {
-        let angle = vec3(&found, 3, lane).dot(normal[lane]);
+    for (lane, normal) in normal.iter().enumerate() {
+        let angle = vec3(&found, 3, lane).dot(*normal);
         assert!((angle - vec3(&flat, 3, lane).z).abs() < 1e-6);
     }
 }

@@ -136,7 +136,7 @@ fn given(what: &str, columns: &[(String, Kind)], words: &[String]) -> Result<Vec
         match number(word.trim(), *kind) {
             Some(number) => numbers.push(number),
             None => report.add(Diagnostic::error(format!(
-                "`{name}` is of the kind {}, which `{word}` is not",
+                "`{what}`: `{name}` is of the kind {}, which `{word}` is not",
                 kind.name()
             ))),
         }
