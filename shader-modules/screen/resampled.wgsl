@@ -1,7 +1,7 @@
 // Fetches the colour that was drawn where the hit appears in the seen buffers.
-// Bilinear, clamped to the buffers, over the texels that show anything (alpha 1); where none does,
-// at the water's edge, the nearest neighbour that does. `shown` is fetched with the colour's own
-// texels and weights, from the nearest texel where they show different objects.
+// Bilinear, clamped to the buffers, over the texels that show anything (alpha 1); where none does, at
+// the water's edge, the nearest neighbour that does; beyond these, the sky. `shown` is fetched with
+// the colour's own texels and weights, from the nearest texel where they show different objects.
 //
 // provides: colour
 // needs: geometry/ray, geometry/hit, screen/neighbours, sky/gradient
@@ -22,7 +22,10 @@ fn colour(hit: Hit, ray: Ray) -> vec3f {
         let texel = vec2i(floor(hit.texel)) + neighbour(i);
         drawn = textureLoad(seen_colour, clamp(texel, vec2i(0), vec2i(size) - 1), 0);
     }
-    return drawn.rgb / max(drawn.a, 0.01);
+    if drawn.a < 0.01 {
+        return sky_colour(ray.direction);
+    }
+    return drawn.rgb / drawn.a;
 }
 
 fn shown(hit: Hit, ray: Ray) -> vec4f {
