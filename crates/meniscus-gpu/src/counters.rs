@@ -64,7 +64,7 @@ impl Frame {
                 name: step.name.clone(),
                 triangles: match &step.work {
                     Work::Render {
-                        draw: Draw::Scene(range),
+                        draw: Draw::Scene(_, range),
                         ..
                     } => u64::from(range.end - range.start) / 3,
                     _ => 0,

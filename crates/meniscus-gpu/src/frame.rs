@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::UVec2;
-use meniscus_pipeline::{Plan, Size};
+use meniscus_pipeline::{PassKind, Plan, Size};
 use meniscus_scene::{Scene, View};
 
 use crate::bindings::Binder;
@@ -16,7 +16,7 @@ use crate::readback::{self, Pixels};
 use crate::record::{self, Instrument, Stopwatch};
 use crate::resources::{Resources, check_size};
 use crate::scene_buffers::SceneBuffers;
-use crate::steps::{self, Step};
+use crate::steps::{self, Draw, Step, Work};
 use crate::timing::{self, FrameTiming, Stamps};
 use crate::{Gpu, GpuError, PipelineCache};
 
@@ -105,7 +105,10 @@ impl Frame {
             self.parts.host_buffers.update(&self.gpu, &host, &views)?
         };
         match written {
-            Written::Bytes(bytes) => self.uploaded += bytes,
+            Written::Bytes(bytes) => {
+                self.uploaded += bytes;
+                self.redraw(&host, &views)?;
+            }
             Written::Outgrown => {
                 self.parts = Parts::new(
                     &self.gpu,
@@ -119,6 +122,22 @@ impl Frame {
         }
         self.parts.resources.views = views;
         self.host = host;
+        Ok(())
+    }
+
+    /// Has the passes draw what another camera needs.
+    fn redraw(&mut self, host: &HostScene, views: &Views) -> Result<(), GpuError> {
+        let sight = host.sight(views);
+        if sight == self.host.sight(self.views()) {
+            return Ok(());
+        }
+        for (pass, step) in self.plan.passes.iter().zip(&mut self.parts.steps) {
+            if let (PassKind::Draw(geometry), Work::Render { draw, .. }) =
+                (&pass.kind, &mut step.work)
+            {
+                *draw = Draw::scene(&self.gpu, &self.scene, *geometry, &sight)?;
+            }
+        }
         Ok(())
     }
 
@@ -165,7 +184,7 @@ impl Frame {
                 }
             }
             for (index, step) in steps.iter().enumerate() {
-                record::step(&mut encoder, &self.scene, index, step, instrument);
+                record::step(&mut encoder, index, step, instrument);
             }
             if let Some(queries) = queries {
                 queries.resolve(&mut encoder);
@@ -267,7 +286,7 @@ impl Parts {
             pipelines,
             resources: &resources,
             scene,
-            eye_above: host.eye_above(),
+            sight: host.sight(&views),
         };
         let (steps, never_written) = builder.steps(&mut binder)?;
         let host_buffers = binder.host;

@@ -52,11 +52,22 @@ impl WaterBand {
             WaterGeometry::Displaced => water.height_bound(),
         };
         // As the shaders know it, so that both draw the line at the same height.
-        let level = f64::from(water.level as f32);
+        Self::about(f64::from(water.level as f32), margin)
+    }
+
+    /// So far about a level, metres.
+    pub fn about(level: f64, margin: f64) -> Self {
         Self {
             low: level - margin,
             high: level + margin,
         }
+    }
+
+    /// Whether a triangle with corners at these heights has a part on the other side of the water
+    /// than an eye above or below it.
+    pub fn is_far(&self, z: [f32; 3], eye_above: bool) -> bool {
+        let near_alone = if eye_above { Side::Above } else { Side::Below };
+        self.side(z) != near_alone
     }
 
     fn side(&self, z: [f32; 3]) -> Side {

@@ -28,7 +28,9 @@ mod record;
 mod resources;
 mod scene_arrays;
 mod scene_buffers;
+mod sight;
 mod steps;
+mod subdivide;
 mod timing;
 
 pub use adapter::{AdapterFacts, Gpu, adapters};
@@ -39,5 +41,6 @@ pub use frame::Frame;
 pub use guard::{GUARD_MAX, GuardFacts, guard, largest_tilt};
 pub use pipelines::PipelineCache;
 pub use readback::Pixels;
-pub use scene_buffers::SceneBuffers;
+pub use scene_buffers::{FarSide, SceneBuffers};
+pub use subdivide::BOW_PX;
 pub use timing::{FrameTiming, PassTiming, Timer};

@@ -2,7 +2,6 @@
 
 use crate::pipelines::Stages;
 use crate::queries::Queries;
-use crate::scene_buffers::SceneBuffers;
 use crate::steps::{Attachment, Clear, Draw, Step, Work, Workgroups};
 
 /// Where timestamps go.
@@ -80,7 +79,6 @@ fn mark(
 /// Records one step.
 pub(crate) fn step(
     encoder: &mut wgpu::CommandEncoder,
-    scene: &SceneBuffers,
     index: usize,
     step: &Step,
     instrument: Instrument,
@@ -136,14 +134,14 @@ pub(crate) fn step(
             }
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, &step.bindings, &[]);
-            match (draw, scene.buffers()) {
-                (Draw::Scene(range), Some(geometry)) => {
+            match draw {
+                Draw::Scene(geometry, range) => {
                     pass.set_vertex_buffer(0, geometry.vertices.slice(..));
                     pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
                     pass.draw_indexed(range.clone(), 0, 0..1);
                 }
-                (Draw::Screen, _) => pass.draw(0..3, 0..1),
-                _ => {}
+                Draw::Screen => pass.draw(0..3, 0..1),
+                Draw::Nothing => {}
             }
             if statistics.is_some() {
                 pass.end_pipeline_statistics_query();

@@ -5,13 +5,14 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use glam::UVec2;
-use meniscus_pipeline::{PassKind, Plan, PlannedPass, Size};
+use meniscus_pipeline::{Geometry, PassKind, Plan, PlannedPass, Size};
 use meniscus_shader::{Binding, BindingKind, Entry};
 
 use crate::bindings::Binder;
 use crate::pipelines::{Pipeline, Stages};
 use crate::resources::{Resources, Target};
-use crate::scene_buffers::SceneBuffers;
+use crate::scene_buffers::{GeometryBuffers, SceneBuffers};
+use crate::sight::Sight;
 use crate::{Gpu, GpuError, formats};
 
 /// One pass, ready to be recorded.
@@ -55,12 +56,27 @@ pub(crate) struct Clear {
 /// What is drawn.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Draw {
-    /// Triangles of the scene: a range of its indices.
-    Scene(Range<u32>),
+    /// Triangles of the scene: a range of indices.
+    Scene(GeometryBuffers, Range<u32>),
     /// One triangle that covers everything.
     Screen,
     /// Nothing; the targets are cleared all the same.
     Nothing,
+}
+
+impl Draw {
+    /// A scene's triangles, or some of them.
+    pub fn scene(
+        gpu: &Gpu,
+        scene: &SceneBuffers,
+        geometry: Geometry,
+        sight: &Sight,
+    ) -> Result<Self, GpuError> {
+        let drawing = scene.drawing(gpu, geometry, sight)?;
+        Ok(drawing.map_or(Self::Nothing, |(buffers, range)| {
+            Self::Scene(buffers, range)
+        }))
+    }
 }
 
 /// How many workgroups run.
@@ -77,7 +93,7 @@ pub(crate) struct Builder<'a> {
     pub pipelines: &'a [Arc<Pipeline>],
     pub resources: &'a Resources,
     pub scene: &'a SceneBuffers,
-    pub eye_above: bool,
+    pub sight: Sight,
 }
 
 /// The texture that a binding stands for: an output's target, or the one it is connected to.
@@ -192,10 +208,7 @@ impl Builder<'_> {
             .collect::<Result<_, _>>()?;
         let depth = pass.depth.as_deref().map(attachment).transpose()?;
         let draw = match &pass.kind {
-            PassKind::Draw(geometry) => match self.scene.range(*geometry, self.eye_above) {
-                range if range.is_empty() => Draw::Nothing,
-                range => Draw::Scene(range),
-            },
+            PassKind::Draw(geometry) => Draw::scene(self.gpu, self.scene, *geometry, &self.sight)?,
             _ => Draw::Screen,
         };
         Ok(Work::Render {

@@ -160,8 +160,9 @@ fn triangles_that_share_all_vertices_keep_their_own_attributes() {
 
 /// One triangle above the water, one below, one through it, side by side.
 fn three_sides() -> meniscus_scene::Scene {
-    let at = |x: f32, z: f32| [[x, 2.0, z], [x + 1.0, 2.0, z], [x, 2.0, z + 0.8]];
-    scene(&[at(-1.5, 0.5), at(-0.5, -0.9), at(0.5, -0.4)])
+    let at = |x: f32, z: f32, high: f32| [[x, 2.0, z], [x + 1.0, 2.0, z], [x, 2.0, z + high]];
+    // The last one is cut at the water, and shows on either side of it.
+    scene(&[at(-1.5, 0.5, 0.8), at(-0.5, -0.9, 0.8), at(0.5, -1.5, 3.0)])
 }
 
 #[test]
