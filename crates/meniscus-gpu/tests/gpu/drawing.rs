@@ -1,10 +1,13 @@
 //! Triangles: where they land, what they carry, which are drawn.
 
-use glam::{DVec3, Vec3};
+use std::sync::Arc;
+
+use glam::{DVec3, UVec2, Vec3};
+use meniscus_gpu::{BOW_PX, Frame, PipelineCache, SceneBuffers};
 use meniscus_pipeline::{Format, Geometry, PassKind, Plan, Size, Texture};
 use meniscus_scene::WaterGeometry;
 
-use crate::build::{COVER, DRAW, frame, pass, plan, rendered, scene, shader, wave};
+use crate::build::{COVER, DRAW, frame, gpu, pass, plan, rendered, scene, shader, wave};
 
 /// Object id + 1 where something is seen.
 fn ids(geometry: Geometry) -> Plan {
@@ -218,4 +221,98 @@ fn a_scene_without_triangles_clears_its_targets() {
     assert!(pixels.data.chunks(4).all(|p| p == [0.0, 0.0, 0.0, -1.0]));
     assert!(frame.read("depth").unwrap().data.iter().all(|&d| d == 0.0));
     assert_eq!(frame.counters().unwrap().draws, 0);
+}
+
+/// A floor of two triangles under water, before the camera.
+fn floor() -> meniscus_scene::Scene {
+    let corner = |x: f32, y: f32| [x, y, -1.0];
+    let (a, b, c, d) = (
+        corner(-3.0, 0.0),
+        corner(3.0, 0.0),
+        corner(3.0, 6.0),
+        corner(-3.0, 6.0),
+    );
+    scene(&[[a, b, c], [a, c, d]])
+}
+
+#[test]
+fn the_far_side_is_divided_for_each_camera_once() {
+    let mut scene = floor();
+    let buffers = Arc::new(SceneBuffers::new(gpu(), &scene).unwrap());
+    let frame = |geometry: Geometry| {
+        let size = UVec2::splat(64);
+        Frame::new(
+            gpu(),
+            &ids(geometry),
+            buffers.clone(),
+            size,
+            &PipelineCache::default(),
+        )
+        .unwrap()
+    };
+    let near = frame(Geometry::NearSide);
+    assert_eq!(near.counters().unwrap().triangles, 0);
+    assert_eq!(buffers.far_side(), None, "nobody has asked");
+    let mut far = frame(Geometry::FarSide);
+    let first = buffers.far_side().unwrap();
+    assert_eq!((first.triangles, first.bow_px), (2, BOW_PX));
+    assert!(first.drawn > 2);
+    assert_eq!(far.counters().unwrap().triangles, first.drawn);
+    let bytes = buffers.bytes();
+    let _same = frame(Geometry::FarSide);
+    assert_eq!(buffers.far_side(), Some(first), "the time it took included");
+    scene.water.time = 3.0;
+    far.update(&scene).unwrap();
+    assert_eq!((buffers.far_side(), buffers.bytes()), (Some(first), bytes));
+    scene.camera.eye.z += 0.5;
+    far.update(&scene).unwrap();
+    let second = buffers.far_side().unwrap();
+    assert_ne!(second, first);
+    assert_eq!(far.counters().unwrap().triangles, second.drawn);
+    for step in 0..8 {
+        scene.camera.eye.z += 0.1 * f64::from(step);
+        far.update(&scene).unwrap();
+    }
+    assert!(buffers.bytes() < 4 * bytes, "old cameras' are dropped");
+}
+
+#[test]
+fn what_is_drawn_is_the_same_surface_however_it_is_divided() {
+    let scene = floor();
+    let drawn = |bow_px: f64| {
+        let buffers = SceneBuffers::new(gpu(), &scene)
+            .unwrap()
+            .with_bow_bound(bow_px);
+        let buffers = Arc::new(buffers);
+        let size = UVec2::splat(64);
+        let plan = ids(Geometry::FarSide);
+        let mut frame = Frame::new(
+            gpu(),
+            &plan,
+            buffers.clone(),
+            size,
+            &PipelineCache::default(),
+        )
+        .unwrap();
+        frame.render().unwrap();
+        (
+            frame.read("ids").unwrap().data,
+            buffers.far_side().unwrap().drawn,
+        )
+    };
+    let (whole, two) = drawn(f64::INFINITY);
+    let (divided, many) = drawn(0.01);
+    assert!(two == 2 && many > 100);
+    // Vertices stay where they are in this plan: no gap, and nothing beyond the outline.
+    let ids = |data: &[f32]| -> Vec<f32> { data.chunks(4).map(|p| p[0]).collect() };
+    let differ = ids(&whole)
+        .iter()
+        .zip(ids(&divided))
+        .filter(|(a, b)| **a != *b)
+        .count();
+    let covered = ids(&whole).iter().filter(|&&id| id > 0.0).count();
+    assert!(
+        covered > 500 && differ <= covered / 200,
+        "{differ} of {covered}"
+    );
 }
