@@ -4,6 +4,10 @@
 //! compiled shaders that plans share, and [`Frame`] a plan with all that it needs. A frame is made
 //! once and rendered often; between frames only what has changed is written.
 //!
+//! Adapters draw straight edges, and flat water bends them. The far side of the water is therefore
+//! cut at the rest plane and divided on the CPU, for each camera and picture size once, until no
+//! edge is off by more than [`BOW_PX`]; [`SceneBuffers::far_side`] tells what that took.
+//!
 //! Nothing here panics on what a plan, shader or scene holds: every creation and submission stands
 //! inside error scopes, and [`GpuError`] says what was being done.
 
