@@ -25,6 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         truth: WaterGeometry::Displaced,
         size: [320, 180],
         rounds: Rounds::default(),
+        without: Vec::new(),
         settings: Map::new(),
     };
     let outcome = ablation.run(&project, &Gpu::open(None)?, &|_, _| {})?;

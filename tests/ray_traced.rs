@@ -34,7 +34,9 @@ fn run(
         rounds: Rounds {
             warm_up: 0,
             counted: 1,
+            ..Rounds::default()
         },
+        without: Vec::new(),
         settings: Default::default(),
     };
     let gpu = Gpu::open(None).unwrap_or_else(|error| panic!("{error}"));

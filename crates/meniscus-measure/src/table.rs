@@ -133,26 +133,31 @@ impl<'a> Table<'a> {
     /// # Errors
     /// [`MeasureError::Format`] when the text cannot be made.
     pub fn csv(&self) -> Result<String, MeasureError> {
-        let failed = |e: &dyn std::fmt::Display| MeasureError::format("CSV table", e);
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        let mut header_written = false;
-        for row in &self.results.rows {
-            let fields = csv_fields(row);
-            if !header_written {
-                writer
-                    .write_record(fields.iter().map(|(name, _)| name))
-                    .map_err(|e| failed(&e))?;
-                header_written = true;
-            }
-            writer
-                .write_record(fields.iter().map(|(_, value)| value))
-                .map_err(|e| failed(&e))?;
-        }
-        let bytes = writer.into_inner().map_err(|e| failed(&e))?;
-        String::from_utf8(bytes).map_err(|e| failed(&e))
+        csv_text(self.results.rows.iter().map(csv_fields))
     }
 
-    fn cells(&self) -> Vec<Vec<String>> {
+    /// The same figures of several runs beneath each other, each line led by what its run was made
+    /// with: names and values, the same names in every run.
+    ///
+    /// # Errors
+    /// As [`Table::csv`].
+    pub fn csv_of_many<'r>(
+        runs: impl IntoIterator<Item = (&'r [(String, String)], &'r Results)>,
+    ) -> Result<String, MeasureError> {
+        let lines = runs.into_iter().flat_map(|(leading, results)| {
+            let line = |row| leading.iter().cloned().chain(csv_fields(row)).collect();
+            results.rows.iter().map(line)
+        });
+        csv_text(lines)
+    }
+
+    /// What stands above the columns for people.
+    pub fn headings(&self) -> Vec<&'static str> {
+        COLUMNS.iter().map(|column| column.heading).collect()
+    }
+
+    /// The columns for people, rounded, a line for each row of the results.
+    pub fn cells(&self) -> Vec<Vec<String>> {
         self.results
             .rows
             .iter()
@@ -160,7 +165,8 @@ impl<'a> Table<'a> {
             .collect()
     }
 
-    fn notes(&self) -> String {
+    /// What was measured on, and what the figures mean, in one line.
+    pub fn notes(&self) -> String {
         let r = self.results;
         let mut notes = format!(
             "{}, {}×{}, {} truth; {} water pixels, {} of them undefined and left out.",
@@ -189,6 +195,22 @@ impl<'a> Table<'a> {
 
 /// Picks one of the two summaries.
 type Part = fn(&BorderErrors) -> &Summary;
+
+/// Lines of names and values as CSV, under the names of the first.
+fn csv_text(lines: impl Iterator<Item = Vec<(String, String)>>) -> Result<String, MeasureError> {
+    let failed = |e: &dyn std::fmt::Display| MeasureError::format("CSV table", e);
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for (index, fields) in lines.enumerate() {
+        if index == 0 {
+            let names = fields.iter().map(|(name, _)| name);
+            writer.write_record(names).map_err(|e| failed(&e))?;
+        }
+        let values = fields.iter().map(|(_, value)| value);
+        writer.write_record(values).map_err(|e| failed(&e))?;
+    }
+    let bytes = writer.into_inner().map_err(|e| failed(&e))?;
+    String::from_utf8(bytes).map_err(|e| failed(&e))
+}
 
 fn csv_fields(row: &Row) -> Vec<(String, String)> {
     let text = |x: Option<f64>| x.map_or(String::new(), |x| x.to_string());

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use glam::UVec2;
 use meniscus_gpu::{self as gpu, FrameTiming, Gpu, GpuError, PipelineCache, SceneBuffers};
 use meniscus_measure::{
-    Comparison, Counters, Judgement, MeasureError, PassMs, Picture, Results, Row, Timer, Timing,
-    TruthGeometry, Verdict, median, relative_time,
+    Counters, Judgement, MeasureError, PassMs, Results, Row, Timer, Timing, TruthGeometry, Verdict,
+    median, relative_time, timing_warnings,
 };
 use meniscus_pipeline::Pipeline;
 use meniscus_reference::{Tracer, Truth};
@@ -16,11 +16,13 @@ use meniscus_source::Report;
 use serde_json::{Map, Value, json};
 
 use crate::facts::facts_of;
+use crate::judging::Judging;
+use crate::marginal::{self, Without};
 use crate::picture::{check_size, is_finite};
 use crate::project::Project;
-use crate::rounds::{Rounds, order};
-use crate::subject::{self, Stage, Subject};
-use crate::truth;
+use crate::provenance::provenance;
+use crate::rounds::Rounds;
+use crate::subject::{Stage, Subject};
 
 /// What is to be compared.
 #[derive(Debug, Clone)]
@@ -37,6 +39,8 @@ pub struct Ablation {
     pub size: [u32; 2],
     /// How often each is rendered.
     pub rounds: Rounds,
+    /// Those of the pipelines that are others without a filling.
+    pub without: Vec<Without>,
     /// Settings that were made, for the results.
     pub settings: Map<String, Value>,
 }
@@ -160,7 +164,7 @@ impl Ablation {
         };
         let traced =
             Tracer::new(&true_scene).trace(&view, &|part| progress("tracing the truth", part));
-        let timings = self.time(&mut subjects, progress)?;
+        let timings = self.rounds.time(&mut subjects, self.baseline, progress)?;
         let context = Judging::new(self, &traced, &true_scene, view);
         let mut rows = Vec::new();
         let mut found = Vec::new();
@@ -187,7 +191,7 @@ impl Ablation {
         more.insert("preprocessing".to_owned(), Value::Object(preprocessing));
         more.insert("scene_bytes".to_owned(), json!(stage.scene.bytes()));
         let judged = rows.first().map(|row| &row.judgement);
-        let results = Results {
+        let mut results = Results {
             provenance: provenance(gpu),
             scene: self.scene.name.clone(),
             settings: self.settings.clone(),
@@ -201,6 +205,7 @@ impl Ablation {
             rows: found,
             more,
         };
+        marginal::note(&mut results, &self.without);
         Ok(Outcome {
             results,
             rows,
@@ -208,26 +213,6 @@ impl Ablation {
             scene: self.scene.clone(),
             view,
         })
-    }
-
-    /// Frames of all subjects in turn, in an order that changes from round to round.
-    fn time(
-        &self,
-        subjects: &mut [Subject],
-        progress: &Progress,
-    ) -> Result<Vec<Vec<FrameTiming>>, AblationError> {
-        let mut timings: Vec<Vec<FrameTiming>> = subjects.iter().map(|_| Vec::new()).collect();
-        let all = self.rounds.warm_up + self.rounds.counted;
-        for round in 0..all {
-            progress("timing frames", f64::from(round) / f64::from(all.max(1)));
-            for index in order(round, subjects.len()) {
-                let timing = subjects[index].frame.render()?;
-                if round >= self.rounds.warm_up {
-                    timings[index].push(timing);
-                }
-            }
-        }
-        Ok(timings)
     }
 
     /// Of every list: the share of the judged pixels that it holds, and of those that it does not
@@ -239,7 +224,12 @@ impl Ablation {
         for (name, list) in &outcome.lists {
             let [mut judged, mut listed, mut far, mut wrong] = [0usize; 4];
             for (verdict, is_listed) in outcome.judgement.verdicts.iter().zip(list) {
-                let Verdict::Error { px, wrong_object, .. } = verdict else { continue };
+                let Verdict::Error {
+                    px, wrong_object, ..
+                } = verdict
+                else {
+                    continue;
+                };
                 judged += 1;
                 listed += usize::from(*is_listed);
                 far += usize::from(!is_listed && *px > 0.5);
@@ -268,6 +258,7 @@ impl Ablation {
         let timing =
             |index: usize| Timing::new(timings[index].iter().map(|f| f.ms(clock)).collect());
         let own = timing(index)?;
+        let warnings = timing_warnings(&own);
         let relative = match self.baseline {
             Some(baseline) => Some(relative_time(
                 &own,
@@ -309,11 +300,18 @@ impl Ablation {
             .iter()
             .map(|p| (p.name.clone(), json!(p.shader.hash)));
         for (name, list) in &outcome.lists {
-            more.insert(name.clone(), json!(list.iter().filter(|listed| **listed).count()));
+            more.insert(
+                name.clone(),
+                json!(list.iter().filter(|listed| **listed).count()),
+            );
         }
         let mut row_more = Map::new();
         if !outcome.lists.is_empty() {
             row_more.insert("lists".into(), json!(self.list_errors(outcome)));
+        }
+        if !warnings.is_empty() {
+            let told = warnings.iter().map(ToString::to_string);
+            row_more.insert("warnings".into(), json!(told.collect::<Vec<_>>()));
         }
         row_more.insert("shaders".into(), Value::Object(hashes.collect()));
         row_more.insert("not_finite_pixels".into(), json!(outcome.not_finite()));
@@ -337,91 +335,4 @@ impl Ablation {
             more: row_more,
         })
     }
-}
-
-/// The truth, made ready to judge by.
-struct Judging<'a> {
-    size: [u32; 2],
-    border: u32,
-    diagonal: f64,
-    truth: &'a Truth,
-    scene: &'a Scene,
-    view: View,
-    points: Vec<meniscus_measure::Seen>,
-    projected: Vec<Option<[f64; 2]>>,
-}
-
-/// The border band's width as a share of the frame's height.
-const BORDER_SHARE: f64 = 1.0 / 24.0;
-
-impl<'a> Judging<'a> {
-    fn new(ablation: &Ablation, truth: &'a Truth, scene: &'a Scene, view: View) -> Self {
-        let points = truth::seen(truth);
-        let projected = truth::project(&points, truth, scene, &view);
-        let (low, high) = scene.bounds().unwrap_or_default();
-        Self {
-            size: ablation.size,
-            border: (f64::from(ablation.size[1]) * BORDER_SHARE).ceil() as u32,
-            // A scene without extent has no diagonal; any positive cap serves.
-            diagonal: (high - low).length().max(1.0),
-            truth,
-            scene,
-            view,
-            points,
-            projected,
-        }
-    }
-
-    fn judge(&self, subject: &mut Subject, stage: &Stage) -> Result<RowOutcome, AblationError> {
-        let colours = subject.colours()?;
-        let shown = subject.shown(stage)?;
-        let points = subject::seen(&shown);
-        let projected = truth::project(&points, self.truth, self.scene, &self.view);
-        let lists = subject.lists(self.size)?;
-        let judgement = Comparison {
-            size: self.size,
-            border_px: self.border,
-            scene_diagonal_m: self.diagonal,
-            water: &self.truth.water_first,
-            undefined: &self.truth.undefined,
-            shown: Picture {
-                points: &points,
-                projected: &projected,
-                colours: &colours,
-            },
-            truth: Picture {
-                points: &self.points,
-                projected: &self.projected,
-                colours: &self.truth.colour,
-            },
-        }
-        .judge()?;
-        Ok(RowOutcome {
-            colours,
-            shown,
-            lists,
-            judgement,
-        })
-    }
-}
-
-fn provenance(gpu: &Gpu) -> Map<String, Value> {
-    let facts = gpu.facts();
-    let entries = [
-        ("adapter", facts.name.clone()),
-        (
-            "driver",
-            format!("{} {}", facts.driver, facts.driver_info)
-                .trim()
-                .to_owned(),
-        ),
-        ("backend", facts.backend.clone()),
-        ("device_type", facts.device_type.clone()),
-        ("meniscus", env!("CARGO_PKG_VERSION").to_owned()),
-        ("commit", crate::COMMIT.to_owned()),
-    ];
-    entries
-        .into_iter()
-        .map(|(key, value)| (key.to_owned(), json!(value)))
-        .collect()
 }

@@ -7,19 +7,27 @@
 
 mod ablation;
 mod facts;
+mod judging;
+mod marginal;
 mod output;
 mod picture;
 mod project;
+mod provenance;
+mod report;
 mod rounds;
 mod subject;
 mod truth;
+mod warnings;
 
 pub use ablation::{Ablation, AblationError, Outcome, Progress, RowOutcome};
 pub use facts::facts_of;
+pub use marginal::{Without, leave_one_out, table as marginal_table};
 pub use output::write_directory;
 pub use picture::{Picture, PictureError};
 pub use project::{Project, Sources};
-pub use rounds::Rounds;
+pub use report::report;
+pub use rounds::{Rounds, Until};
+pub use warnings::gathered_warnings;
 
 pub use meniscus_gpu as gpu;
 pub use meniscus_measure as measure;

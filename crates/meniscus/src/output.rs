@@ -10,9 +10,7 @@ use meniscus_measure::{
 
 use crate::ablation::Outcome;
 use crate::picture::srgb;
-
-/// Errors from which a false-colour map begins, and at which it ends, in pixels.
-const MAP_PIXELS: (f64, f64) = (0.01, 100.0);
+use crate::report::report;
 
 /// A pipeline's name as a part of a file's name.
 fn file_name(pipeline: &str) -> String {
@@ -23,7 +21,7 @@ fn file_name(pipeline: &str) -> String {
         .collect()
 }
 
-/// Writes pictures, error maps, the figure of time against error, tables, and what a stranger's
+/// Writes pictures, error maps, the figure of time against error, tables, `report.html`, and what a stranger's
 /// tracer needs to check them: `results.json`, `scene.json`, `truth.npy` (rows, columns, and x, y,
 /// z in metres and the object id), `water.npy`, and per pipeline `NAME.png`, `NAME.error.png` and
 /// `NAME.shown.npy`, `/` in names being written as `-`.
@@ -38,8 +36,7 @@ pub fn write_directory(folder: &Path, outcome: &Outcome) -> Result<(), MeasureEr
     let results = &outcome.results;
     let [width, height] = results.size;
     let shape = [height as usize, width as usize, 4];
-    let (low, high) = MAP_PIXELS;
-    let scale = LogScale::new(low, high)?;
+    let scale = LogScale::PIXELS;
     for (row, figures) in outcome.rows.iter().zip(&results.rows) {
         let name = file_name(&figures.pipeline);
         let path = |ending: &str| folder.join(format!("{name}{ending}"));
@@ -81,6 +78,7 @@ pub fn write_directory(folder: &Path, outcome: &Outcome) -> Result<(), MeasureEr
     let table = Table::of(results);
     write_atomically(&folder.join("results.md"), table.markdown().as_bytes())?;
     write_atomically(&folder.join("results.csv"), table.csv()?.as_bytes())?;
+    write_atomically(&folder.join("report.html"), report(outcome)?.as_bytes())?;
     if let Some(figure) = figure(outcome)? {
         write_atomically(&folder.join("time-error.svg"), figure.as_bytes())?;
     }
@@ -88,7 +86,7 @@ pub fn write_directory(folder: &Path, outcome: &Outcome) -> Result<(), MeasureEr
 }
 
 /// Time against error, of the rows that have an error.
-fn figure(outcome: &Outcome) -> Result<Option<String>, MeasureError> {
+pub(crate) fn figure(outcome: &Outcome) -> Result<Option<String>, MeasureError> {
     let results = &outcome.results;
     let points: Vec<FigurePoint> = results
         .rows

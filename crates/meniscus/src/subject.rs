@@ -53,11 +53,16 @@ impl Subject {
     }
 
     /// The pixels that the last frame listed, by the name of the list.
-    pub fn lists(&self, [width, height]: [u32; 2]) -> Result<BTreeMap<String, Vec<bool>>, AblationError> {
+    pub fn lists(
+        &self,
+        [width, height]: [u32; 2],
+    ) -> Result<BTreeMap<String, Vec<bool>>, AblationError> {
         let mut lists = BTreeMap::new();
         for (name, buffer) in &self.frame.plan().lists {
             let bytes = self.frame.read_buffer(buffer)?;
-            let mut words = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+            let mut words = bytes
+                .chunks_exact(4)
+                .map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
             let count = words.next().unwrap_or(0) as usize;
             let mut listed = vec![false; width as usize * height as usize];
             for pixel in words.take(count) {

@@ -1,15 +1,20 @@
 //! `meniscus ablate`
 
+use std::time::Duration;
+
 use meniscus::gpu::Gpu;
-use meniscus::measure::{Table, write_atomically};
-use meniscus::pipeline::Pipeline;
+use meniscus::measure::{Results, Table, write_atomically};
+use meniscus::pipeline::{Facts, Pipeline, Plan};
 use meniscus::source::{Diagnostic, Report};
-use meniscus::{Ablation, Project, Rounds, write_directory};
+use meniscus::{
+    Ablation, Project, Rounds, Until, Without, gathered_warnings, leave_one_out, report,
+    write_directory,
+};
 use serde_json::{Map, Value, json};
 
 use super::arguments::{Ablate, key_value};
 use super::progress::Bar;
-use super::say::say;
+use super::say::{say, tell};
 use super::{Failure, outputs};
 
 /// What is run where nothing is named.
@@ -19,7 +24,7 @@ const MAX_COMBINATIONS: usize = 1000;
 
 pub(crate) fn run(project: &Project, ablate: &Ablate) -> Result<(), Failure> {
     let ablation = prepare(project, ablate)?;
-    let files = [&ablate.json, &ablate.markdown, &ablate.csv];
+    let files = [&ablate.json, &ablate.markdown, &ablate.csv, &ablate.report];
     outputs::check(files.into_iter().flatten(), ablate.out.as_ref())?;
     let gpu = Gpu::open(ablate.look.adapter.as_deref())?;
     let bar = Bar::new();
@@ -28,7 +33,14 @@ pub(crate) fn run(project: &Project, ablate: &Ablate) -> Result<(), Failure> {
     let outcome = outcome?;
     let results = &outcome.results;
     let table = Table::of(results);
-    say(&table.terminal().to_string())?;
+    say(&table.terminal())?;
+    say(&marginal(results))?;
+    for warning in gathered_warnings(results) {
+        say(&format!("warning: {warning}\n"))?;
+    }
+    if let Some(path) = &ablate.report {
+        write_atomically(path, report(&outcome)?.as_bytes())?;
+    }
     if let Some(path) = &ablate.json {
         write_atomically(path, results.to_json()?.as_bytes())?;
     }
@@ -61,6 +73,7 @@ fn prepare(project: &Project, ablate: &Ablate) -> Result<Ablation, Failure> {
     report.into_result(())?;
     ablate.changes.apply(&mut pipelines)?;
     let mut pipelines = combine(pipelines, &ablate.attempts)?;
+    let without = without(project, ablate, &mut pipelines)?;
     // The baseline comes first, so that the table begins with it.
     pipelines.sort_by_key(|pipeline| !pipeline.baseline);
     let baseline =
@@ -93,10 +106,71 @@ fn prepare(project: &Project, ablate: &Ablate) -> Result<Ablation, Failure> {
         size: ablate.look.size,
         rounds: Rounds {
             counted: ablate.rounds,
+            until: ablate.until.map(|width| Until {
+                width,
+                limit: Duration::from_secs(ablate.limit_seconds),
+            }),
             ..Rounds::default()
         },
+        without,
         settings: settings(ablate),
     })
+}
+
+/// The pipeline of `--leave-one-out` without each of its fillings; it and they join the others.
+/// What does not compose without a filling is told and left out.
+fn without(
+    project: &Project,
+    ablate: &Ablate,
+    pipelines: &mut Vec<Pipeline>,
+) -> Result<Vec<Without>, Report> {
+    let Some(name) = &ablate.leave_one_out else {
+        return Ok(Vec::new());
+    };
+    let whole = match pipelines.iter().find(|pipeline| pipeline.name == *name) {
+        Some(pipeline) => pipeline.clone(),
+        None => {
+            let mut whole = [project.pipeline(name)?];
+            ablate.changes.apply(&mut whole)?;
+            let [whole] = whole;
+            pipelines.push(whole.clone());
+            whole
+        }
+    };
+    let mut left = leave_one_out(&whole);
+    left.retain(|without| {
+        let facts = Facts::all();
+        let composes = |facts| Plan::new(&without.pipeline, &project.composer, facts, true);
+        match facts.iter().try_for_each(|facts| composes(facts).map(drop)) {
+            Ok(()) => true,
+            Err(wrong) => {
+                let slot = &without.slot;
+                tell(&format!(
+                    "{name}: `{slot}` cannot be put back to its default:\n{wrong}"
+                ));
+                false
+            }
+        }
+    });
+    pipelines.extend(left.iter().map(|without| without.pipeline.clone()));
+    Ok(left)
+}
+
+/// What each filling brings, a line for each; nothing where none was left out.
+fn marginal(results: &Results) -> String {
+    let rows = meniscus::marginal_table(results);
+    let line = |cells: &[String]| {
+        let [slot, filling, _, ms, times, px, rmse] = cells else {
+            return String::new();
+        };
+        format!("{slot} = {filling}: {ms} ms (× {times}), {px} px, {rmse} RMSE\n")
+    };
+    let mut text = String::new();
+    if let Some(row) = rows.first() {
+        text = format!("\nWhat each filling of {} brings:\n", row[2]);
+    }
+    text.extend(rows.iter().map(|cells| line(cells)));
+    text
 }
 
 /// Every combination of the fillings that are tried, for every pipeline that has their passes.

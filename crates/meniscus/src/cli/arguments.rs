@@ -195,6 +195,21 @@ pub(crate) struct Ablate {
     /// How many frames of each pipeline are timed, in turn with the others'.
     #[arg(long, value_name = "NUMBER", default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub rounds: u32,
+    /// Time more frames than that, until the 95 % confidence interval of every ratio to the baseline
+    /// is narrower than this share of the ratio, such as 0.02.
+    #[arg(long, value_name = "RATIO", value_parser = share)]
+    pub until: Option<f64>,
+    /// When `--until` gives up.
+    #[arg(long, value_name = "NUMBER", default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..=86_400), requires = "until")]
+    pub limit_seconds: u64,
+    /// Also run this pipeline with each of its filled slots put back to the default: what each
+    /// filling brings and costs.
+    #[arg(long, value_name = "PIPELINE")]
+    pub leave_one_out: Option<String>,
+    /// Write one HTML file with the table, the plane of time and error, pictures to compare, times of
+    /// passes and provenance.
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
     /// Write the results as JSON; crates/meniscus-measure/README.md tells the keys.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
@@ -204,7 +219,8 @@ pub(crate) struct Ablate {
     /// Write the table as CSV.
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
-    /// Write pictures, error maps, the figure of time against error, and the data to check them.
+    /// Write pictures, error maps, the figure of time against error, a report, and the data to check
+    /// them.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
@@ -312,6 +328,12 @@ impl From<Geometry> for WaterGeometry {
             Geometry::Displaced => Self::Displaced,
         }
     }
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok();
+    let allowed = number.filter(|number| (1e-4..=1.0).contains(number));
+    allowed.ok_or_else(|| format!("`{text}` is no share from 0.0001 to 1, such as 0.02"))
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {
