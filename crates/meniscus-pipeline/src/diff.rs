@@ -1,7 +1,7 @@
 //! How two pipelines differ, in words.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Debug;
+use std::fmt::Display;
 
 use meniscus_shader::Filling;
 use meniscus_source::ron::Spanned;
@@ -59,6 +59,7 @@ pub fn diff(a: &Pipeline, b: &Pipeline) -> Vec<String> {
         &plain(&b.buffers),
         &mut said,
     );
+    entries("the list of", &plain(&a.lists), &plain(&b.lists), &mut said);
     if a.output.value != b.output.value {
         said.push(format!(
             "`{}` comes out, not `{}`",
@@ -68,9 +69,9 @@ pub fn diff(a: &Pipeline, b: &Pipeline) -> Vec<String> {
     said
 }
 
-fn plain<T: Debug>(map: &BTreeMap<String, Spanned<T>>) -> BTreeMap<String, String> {
+fn plain<T: Display>(map: &BTreeMap<String, Spanned<T>>) -> BTreeMap<String, String> {
     map.iter()
-        .map(|(name, value)| (name.clone(), format!("{:?}", value.value)))
+        .map(|(name, value)| (name.clone(), value.value.to_string()))
         .collect()
 }
 

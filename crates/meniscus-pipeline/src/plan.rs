@@ -1,6 +1,7 @@
 //! What is left of a pipeline for the facts of one scene: what a GPU is given to do.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::sync::Arc;
 
 use meniscus_shader::Shader;
@@ -47,6 +48,35 @@ pub struct Buffer {
     pub indirect: bool,
     /// Whether it is zeroed at the start of every frame.
     pub zeroed: bool,
+}
+
+impl fmt::Display for Texture {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = match self.size {
+            Size::Frame => "as large as the frame",
+            Size::Guarded => "with a guard band",
+        };
+        write!(f, "{:?}, {size}", self.format)
+    }
+}
+
+impl fmt::Display for Buffer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut said = Vec::new();
+        if self.bytes > 0 || self.bytes_per_pixel == 0 {
+            said.push(format!("{} bytes", self.bytes));
+        }
+        if self.bytes_per_pixel > 0 {
+            said.push(format!("{} bytes a pixel", self.bytes_per_pixel));
+        }
+        if self.indirect {
+            said.push("arguments of a dispatch".into());
+        }
+        if self.zeroed {
+            said.push("zeroed every frame".into());
+        }
+        f.write_str(&said.join(", "))
+    }
 }
 
 /// Texel formats, with WebGPU's names.

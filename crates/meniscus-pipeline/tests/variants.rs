@@ -38,9 +38,9 @@ fn a_variant_adds_removes_and_connects() {
             "in `draw`, `shade.gain` is 3, not 2",
             "the pass `between` is added behind `draw`, with `passes/fetch`",
             "in `fetch`, what is read as `seen` is `half`, and was not there",
-            "the texture `half` is Texture { format: Rgba16Float, size: Frame }, and was not there",
-            "the texture `seen` is Texture { format: Rgba32Float, size: Guarded }, not Texture { format: Rgba16Float, size: Guarded }",
-            "the buffer `more` is Buffer { bytes: 4, bytes_per_pixel: 0, indirect: false, zeroed: false }, and was not there",
+            "the texture `half` is Rgba16Float, as large as the frame, and was not there",
+            "the texture `seen` is Rgba32Float, with a guard band, not Rgba16Float, with a guard band",
+            "the buffer `more` is 4 bytes, and was not there",
         ]
     );
     assert!(diff(&base, &base).is_empty());
@@ -84,7 +84,22 @@ fn passes_that_are_not_there_are_told() {
 
 #[test]
 fn a_graph_has_every_pass_and_what_lies_between() {
-    let text = common::PIPELINE.replace("\"draw\"", "\"dr\\\"aw\"");
-    let plan = common::plan(&text).unwrap_or_else(|report| panic!("{report}"));
-    insta::assert_snapshot!("graph", plan.dot());
+    let odd = common::PIPELINE.replace("\"draw\"", "\"dr\\\"aw <&\"");
+    let plan = common::plan(&odd).unwrap_or_else(|report| panic!("{report}"));
+    let all = pipelines(&[("odd", &odd)]);
+    let pipeline = all.load("odd").unwrap_or_else(|report| panic!("{report}"));
+    insta::assert_snapshot!("graph", plan.dot(&pipeline));
+    let picture = plan.svg(&pipeline);
+    assert!(picture.contains("dr&quot;aw &lt;&amp;"), "{picture}");
+    for name in plan.textures.keys() {
+        assert!(picture.contains(&format!(">{name}<")), "{picture}");
+    }
+    // A dot for each target, and for what the second pass reads.
+    let written = picture.matches("is written").count();
+    let targets = plan
+        .passes
+        .iter()
+        .flat_map(|p| p.targets.iter().chain(&p.depth));
+    assert_eq!(written, targets.count());
+    assert!(picture.contains("seen is read"), "{picture}");
 }

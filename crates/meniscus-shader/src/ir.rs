@@ -38,6 +38,13 @@ fn run_naga<T: Send>(
     })
 }
 
+/// Runs naga on a stack of its own.
+pub(crate) fn run_apart<T: Send>(
+    run: impl FnOnce() -> Result<T, Report> + Send,
+) -> Result<T, Report> {
+    run_naga(usize::MAX, run)
+}
+
 /// Parses and validates a text without entry points.
 ///
 /// # Errors

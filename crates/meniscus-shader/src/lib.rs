@@ -11,6 +11,7 @@ mod compose;
 mod contract;
 mod entry;
 mod explain;
+mod export;
 mod filling;
 mod header;
 mod instance;
@@ -25,6 +26,7 @@ mod text;
 
 pub use alone::Alone;
 pub use compose::{Composer, Output, Recipe, Stage};
+pub use export::{Exported, Language};
 pub use filling::Filling;
 pub use header::{Header, Name, Number, Requirement, SlotUse, When};
 pub use library::{Library, Module, Role};

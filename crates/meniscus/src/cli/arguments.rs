@@ -64,8 +64,12 @@ pub(crate) enum Command {
     List(List),
     /// Compose and validate every shader of every pipeline, and every module, without a GPU.
     Check(Check),
-    /// Print the WGSL that a pass is composed to.
-    Compose(Compose),
+    /// Print what a pass is composed to: WGSL, SPIR-V, HLSL, MSL or GLSL.
+    Compose(super::compose::Compose),
+    /// Say in words how a pipeline differs from another.
+    Diff(super::diff::Diff),
+    /// Draw a pipeline: its passes, what fills their slots, and what lies between them.
+    Graph(super::graph::Graph),
     /// Render one pipeline to a PNG.
     Render(Render),
     /// Render pipelines beside each other and beside ray-traced truth: time and error in one table.
@@ -112,25 +116,6 @@ pub(crate) enum Listed {
 pub(crate) struct Check {
     /// Pipelines by name or file, `refraction/*` for many; all that are known if none is given.
     pub pipelines: Vec<String>,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct Compose {
-    /// The pipeline, by name or file.
-    pub pipeline: String,
-    /// The pass, by its name in the pipeline.
-    #[arg(long, value_name = "NAME")]
-    pub pass: String,
-    /// What holds of the scene: `waves`, `displaced`, `camera_submerged`, joined by commas.
-    #[arg(
-        long,
-        value_name = "FACT,FACT",
-        value_delimiter = ',',
-        default_value = "waves,displaced"
-    )]
-    pub facts: Vec<String>,
-    #[command(flatten)]
-    pub changes: Changes,
 }
 
 /// Changes to pipelines.

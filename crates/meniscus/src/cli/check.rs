@@ -1,11 +1,11 @@
-//! `meniscus check` and `meniscus compose`
+//! `meniscus check`
 
 use meniscus::Project;
-use meniscus::pipeline::{Facts, KNOWN_FACTS, Plan};
-use meniscus::source::{Diagnostic, Report};
+use meniscus::pipeline::{Facts, Plan};
+use meniscus::source::Diagnostic;
 
 use super::Failure;
-use super::arguments::{Check, Compose};
+use super::arguments::Check;
 use super::say::{say, tell};
 
 pub(crate) fn check(project: &Project, check: &Check) -> Result<(), Failure> {
@@ -83,33 +83,4 @@ fn counted_as(count: usize, one: &str, many: &str) -> String {
         1 => format!("1 {one}"),
         _ => format!("{count} {many}"),
     }
-}
-
-pub(crate) fn compose(project: &Project, compose: &Compose) -> Result<(), Failure> {
-    let mut pipelines = [project.pipeline(&compose.pipeline)?];
-    compose.changes.apply(&mut pipelines)?;
-    for fact in &compose.facts {
-        if !KNOWN_FACTS.iter().any(|(known, _)| known == fact) {
-            let known = KNOWN_FACTS.iter().map(|(known, _)| *known);
-            let unknown = Diagnostic::error(format!("`--facts {fact}`: there is no such fact"));
-            return Err(unknown.with_suggestion(fact, known).into());
-        }
-    }
-    let facts = Facts::new(compose.facts.iter().map(String::as_str));
-    let plan = Plan::new(&pipelines[0], &project.composer, &facts, true)?;
-    let pass = plan
-        .passes
-        .iter()
-        .find(|pass| pass.name == compose.pass)
-        .ok_or_else(|| {
-            let names = plan.passes.iter().map(|pass| pass.name.as_str());
-            Report::from(
-                Diagnostic::error(format!(
-                    "`{}` has no pass `{}`",
-                    compose.pipeline, compose.pass
-                ))
-                .with_suggestion(&compose.pass, names),
-            )
-        })?;
-    say(&pass.shader.text)
 }

@@ -5,13 +5,17 @@ mod ablate;
 mod arguments;
 mod check;
 mod compare;
+mod compose;
+mod diff;
 mod eval;
+mod graph;
 mod list;
+mod moment;
 mod outputs;
 mod progress;
 mod render;
-mod stress;
 mod say;
+mod stress;
 
 use std::process::ExitCode;
 
@@ -96,7 +100,9 @@ fn execute(arguments: Arguments) -> Result<(), Failure> {
     match arguments.command {
         Command::List(list) => list::run(&project, &list),
         Command::Check(check) => check::check(&project, &check),
-        Command::Compose(compose) => check::compose(&project, &compose),
+        Command::Compose(compose) => compose::run(&project, &compose),
+        Command::Diff(diff) => diff::run(&project, &diff),
+        Command::Graph(graph) => graph::run(&project, &graph),
         Command::Render(render) => render::run(&project, &render),
         Command::Ablate(ablate) => ablate::run(&project, &ablate),
         Command::Compare(compare) => compare::run(&compare),
