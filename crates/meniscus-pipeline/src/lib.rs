@@ -9,6 +9,7 @@ mod interface;
 mod pipeline;
 mod plan;
 mod planner;
+mod schema;
 mod variant;
 
 pub use diff::diff;
@@ -16,3 +17,4 @@ pub use facts::{Facts, KNOWN as KNOWN_FACTS};
 pub use file::{Dispatch, Over, Runs};
 pub use pipeline::{Pass, PassOver, Pipeline, Pipelines};
 pub use plan::{Buffer, Format, Geometry, PassKind, Plan, PlannedPass, Size, Texture};
+pub use schema::SCHEMA;

@@ -22,6 +22,7 @@ mod names;
 mod outline;
 mod predeclared;
 mod shader;
+mod template;
 mod text;
 
 pub use alone::Alone;

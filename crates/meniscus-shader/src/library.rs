@@ -146,6 +146,11 @@ impl Module {
             .filter(|item| matches!(item.kind, ItemKind::Function { .. }))
     }
 
+    /// The names of its functions, in the order of the file.
+    pub fn function_names(&self) -> impl Iterator<Item = &str> {
+        self.functions().map(|item| item.name.as_str())
+    }
+
     pub(crate) fn overrides(&self) -> impl Iterator<Item = &Item> {
         self.outline
             .items

@@ -13,6 +13,9 @@ use super::Failure;
 /// Under which the help shows the directories.
 const SOURCES: &str = "Directories (each may be given more than once)";
 
+/// The scene where none is named.
+const SCENE: &str = "pool";
+
 /// Shader pipelines put together by configuration, and refraction that is both fast and right.
 #[derive(Debug, Parser)]
 #[command(name = "meniscus", version, max_term_width = 100)]
@@ -70,10 +73,14 @@ pub(crate) enum Command {
     Diff(super::diff::Diff),
     /// Draw a pipeline: its passes, what fills their slots, and what lies between them.
     Graph(super::graph::Graph),
+    /// Write what something new begins as.
+    New(super::new_module::New),
     /// Render one pipeline to a PNG.
     Render(Render),
     /// Render pipelines beside each other and beside ray-traced truth: time and error in one table.
     Ablate(Ablate),
+    /// Join the results of parts of a sweep.
+    Merge(super::sweep::Merge),
     /// Measure how far a picture is from another: PNG (sRGB) or EXR (linear).
     ///
     /// Ends with 0 when the measure is within the limit or none is given, with 1 beyond it, and with
@@ -88,6 +95,8 @@ pub(crate) enum Command {
     /// random inputs, with special ones, and by an adversary that goes from bad inputs to worse.
     /// Errors are in units in the last place of 32-bit floats.
     Stress(Stress),
+    /// Print the JSON Schema of pipeline files, for editors and other programs.
+    Schema,
     /// List the graphics adapters of this machine.
     Adapters,
 }
@@ -119,7 +128,7 @@ pub(crate) struct Check {
 }
 
 /// Changes to pipelines.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct Changes {
     /// Change a pipeline: PASS.SLOT=MODULE or PASS.SLOT.NUMBER=VALUE; may be given more than once.
     #[arg(long = "with", value_name = "KEY=VALUE")]
@@ -127,11 +136,11 @@ pub(crate) struct Changes {
 }
 
 /// The scene and how it is looked at.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct Look {
-    /// The scene, by name or file.
-    #[arg(long, default_value = "pool")]
-    pub scene: String,
+    /// The scene, by name or file; the pool if none is given.
+    #[arg(long, value_name = "NAME")]
+    pub scene: Option<String>,
     /// Width and height in pixels.
     #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = size)]
     pub size: [u32; 2],
@@ -158,7 +167,7 @@ pub(crate) struct Render {
     pub output: PathBuf,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct Ablate {
     /// Pipelines by name or file, `refraction/*` for many; all under `refraction/` if none is given.
     pub pipelines: Vec<String>,
@@ -191,6 +200,8 @@ pub(crate) struct Ablate {
     /// filling brings and costs.
     #[arg(long, value_name = "PIPELINE")]
     pub leave_one_out: Option<String>,
+    #[command(flatten)]
+    pub sweeping: super::sweep::Sweeping,
     /// Write one HTML file with the table, the plane of time and error, pictures to compare, times of
     /// passes and provenance.
     #[arg(long, value_name = "FILE.html")]
@@ -349,7 +360,7 @@ impl Look {
     }
 
     pub fn scene(&self, project: &meniscus::Project) -> Result<Scene, Failure> {
-        Ok(project.scene(&self.scene, &self.settings()?)?)
+        Ok(project.scene(self.scene.as_deref().unwrap_or(SCENE), &self.settings()?)?)
     }
 }
 

@@ -11,11 +11,14 @@ mod eval;
 mod graph;
 mod list;
 mod moment;
+mod new_module;
 mod outputs;
 mod progress;
 mod render;
 mod say;
+mod schema;
 mod stress;
+mod sweep;
 
 use std::process::ExitCode;
 
@@ -103,10 +106,13 @@ fn execute(arguments: Arguments) -> Result<(), Failure> {
         Command::Compose(compose) => compose::run(&project, &compose),
         Command::Diff(diff) => diff::run(&project, &diff),
         Command::Graph(graph) => graph::run(&project, &graph),
+        Command::New(new) => new_module::run(&project, &new),
         Command::Render(render) => render::run(&project, &render),
         Command::Ablate(ablate) => ablate::run(&project, &ablate),
+        Command::Merge(merge) => sweep::merge(&merge),
         Command::Compare(compare) => compare::run(&compare),
         Command::Eval(eval) => eval::run(&project, &eval),
+        Command::Schema => schema::run(),
         Command::Stress(stress) => stress::run(&project, &stress),
         Command::Adapters => adapters(),
     }
