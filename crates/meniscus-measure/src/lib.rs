@@ -16,6 +16,7 @@ mod npy;
 mod random;
 mod results;
 mod statistics;
+mod sweep;
 mod table;
 mod time_error;
 mod timing;
@@ -36,6 +37,7 @@ pub use results::{
     BorderErrors, Counters, Errors, FrameMs, PassMs, Relative, Results, Row, Timer, TruthGeometry,
 };
 pub use statistics::{Summary, median, quantile};
+pub use sweep::{Sweep, SweepPoint};
 pub use table::Table;
 pub use time_error::{FigurePoint, pareto_front, time_error_figure};
 pub use timing::{Timing, TimingWarning, relative_time, timing_warnings};

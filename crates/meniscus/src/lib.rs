@@ -11,11 +11,13 @@ mod judging;
 mod marginal;
 mod output;
 mod picture;
+mod preset;
 mod project;
 mod provenance;
 mod report;
 mod rounds;
 mod subject;
+mod sweep;
 mod truth;
 mod warnings;
 
@@ -24,9 +26,11 @@ pub use facts::facts_of;
 pub use marginal::{Without, leave_one_out, table as marginal_table};
 pub use output::write_directory;
 pub use picture::{Picture, PictureError};
+pub use preset::{Figures, Preset, PresetAxis, Published};
 pub use project::{Project, Sources};
 pub use report::report;
 pub use rounds::{Rounds, Until};
+pub use sweep::{Axis, Partition, fingerprint, points};
 pub use warnings::gathered_warnings;
 
 pub use meniscus_gpu as gpu;

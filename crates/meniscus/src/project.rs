@@ -9,8 +9,11 @@ use meniscus_scene::{Library as SceneLibrary, Scene, SceneSource, Setting};
 use meniscus_shader::{Composer, Library};
 use meniscus_source::{Diagnostic, Report, SourceFile, read_tree};
 
+use crate::preset::Preset;
+
 static MODULES: Dir = include_dir!("$CARGO_MANIFEST_DIR/shader-modules");
 static PIPELINES: Dir = include_dir!("$CARGO_MANIFEST_DIR/pipelines");
+static PRESETS: Dir = include_dir!("$CARGO_MANIFEST_DIR/examples/presets");
 static SCENES: Dir = include_dir!("$CARGO_MANIFEST_DIR/examples/scenes");
 
 /// Directories that add to what is built in, or replace parts of it.
@@ -165,6 +168,31 @@ impl Project {
             }
         }
         Ok(names)
+    }
+
+    /// The names of the built-in presets.
+    pub fn preset_names(&self) -> Vec<String> {
+        let mut presets = Files::new();
+        embedded(&PRESETS, "examples/presets", "ron", &mut presets);
+        presets.into_iter().map(|(name, _)| name).collect()
+    }
+
+    /// A preset by its name, or by the path of a `.ron` file.
+    ///
+    /// # Errors
+    /// When there is none, or it is wrong.
+    pub fn preset(&self, name: &str) -> Result<Preset, Report> {
+        if name.ends_with(".ron") {
+            return Preset::read(&SourceFile::read(name.as_ref())?);
+        }
+        let mut presets = Files::new();
+        embedded(&PRESETS, "examples/presets", "ron", &mut presets);
+        match presets.iter().find(|(known, _)| known == name) {
+            Some((_, file)) => Preset::read(file),
+            None => Err(Diagnostic::error(format!("there is no preset `{name}`"))
+                .with_suggestion(name, presets.iter().map(|(known, _)| known.as_str()))
+                .into()),
+        }
     }
 
     /// A scene with settings.

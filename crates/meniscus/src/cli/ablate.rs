@@ -15,7 +15,7 @@ use serde_json::{Map, Value, json};
 use super::arguments::{Ablate, key_value};
 use super::progress::Bar;
 use super::say::{say, tell};
-use super::{Failure, outputs};
+use super::{Failure, outputs, sweep};
 
 /// What is run where nothing is named.
 const ALL: &str = "refraction/*";
@@ -23,6 +23,30 @@ const ALL: &str = "refraction/*";
 const MAX_COMBINATIONS: usize = 1000;
 
 pub(crate) fn run(project: &Project, ablate: &Ablate) -> Result<(), Failure> {
+    let preset = match &ablate.sweeping.preset {
+        Some(name) => Some(project.preset(name)?),
+        None => None,
+    };
+    let asked = preset
+        .as_ref()
+        .map(|preset| sweep::with_preset(ablate, preset));
+    let ablate = asked.as_ref().unwrap_or(ablate);
+    if !ablate.sweeping.axes.is_empty() {
+        let published = preset.as_ref().and_then(|preset| preset.published.as_ref());
+        return sweep::run(project, ablate, published);
+    }
+    if ablate.sweeping.partition.is_some() {
+        return Err(
+            Diagnostic::error("`--partition` without a sweep has nothing to divide")
+                .with_help("say what is swept with --sweep KEY=A,B")
+                .into(),
+        );
+    }
+    once(project, ablate)
+}
+
+/// One ablation.
+fn once(project: &Project, ablate: &Ablate) -> Result<(), Failure> {
     let ablation = prepare(project, ablate)?;
     let files = [&ablate.json, &ablate.markdown, &ablate.csv, &ablate.report];
     outputs::check(files.into_iter().flatten(), ablate.out.as_ref())?;
@@ -57,7 +81,8 @@ pub(crate) fn run(project: &Project, ablate: &Ablate) -> Result<(), Failure> {
     Ok(())
 }
 
-fn prepare(project: &Project, ablate: &Ablate) -> Result<Ablation, Failure> {
+/// What is to be compared, from what was written.
+pub(crate) fn prepare(project: &Project, ablate: &Ablate) -> Result<Ablation, Failure> {
     let patterns = match ablate.pipelines.is_empty() {
         true => vec![ALL.to_owned()],
         false => ablate.pipelines.clone(),
