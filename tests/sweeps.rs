@@ -149,3 +149,29 @@ fn the_report_asks_for_nothing_from_outside() {
         assert!(page.contains(part), "{part}");
     }
 }
+
+#[test]
+fn what_presets_name_is_there_and_published_figures_belong_to_points() {
+    let project = meniscus::Project::open(&meniscus::Sources::default()).unwrap();
+    let names = project.preset_names();
+    assert!(!names.is_empty());
+    for name in names {
+        let preset = project.preset(&name).unwrap();
+        project.scene(&preset.scene, &[]).unwrap();
+        let pipelines: Vec<&str> = preset.pipelines.iter().map(|p| p.value.as_str()).collect();
+        for pipeline in &pipelines {
+            project.pipeline(pipeline).unwrap();
+        }
+        let Some(published) = preset.published else { continue };
+        assert!(pipelines.contains(&published.relative_to.as_str()));
+        for figures in &published.figures {
+            for (key, value) in figures.at.iter() {
+                let axis = preset.sweep.iter().find(|axis| axis.key.value == key.value);
+                assert!(axis.is_some_and(|axis| axis.values.contains(value)), "{name}: {key:?}");
+            }
+            for (pipeline, _) in figures.frames_per_second.iter() {
+                assert!(pipelines.contains(&pipeline.value.as_str()), "{name}: {pipeline:?}");
+            }
+        }
+    }
+}
