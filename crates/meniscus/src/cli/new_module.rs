@@ -12,8 +12,8 @@ use meniscus::source::{Diagnostic, SourceFile};
 use meniscus::stress::Kind;
 use meniscus::stress::modules::{Choice, Specimen};
 
-use super::Failure;
 use super::say::say;
+use super::{Failure, outputs};
 
 #[derive(Debug, Args)]
 pub(crate) struct New {
@@ -46,6 +46,7 @@ pub(crate) fn run(project: &Project, new: &New) -> Result<(), Failure> {
         .library()
         .template(&module.name, &module.slot)?;
     let file = module.dir.join(format!("{}.wgsl", module.name));
+    outputs::check([&file], None)?;
     write_new(&file, &text)?;
     let directory = module.dir.display();
     let mut said = format!(
