@@ -162,15 +162,23 @@ fn what_presets_name_is_there_and_published_figures_belong_to_points() {
         for pipeline in &pipelines {
             project.pipeline(pipeline).unwrap();
         }
-        let Some(published) = preset.published else { continue };
+        let Some(published) = preset.published else {
+            continue;
+        };
         assert!(pipelines.contains(&published.relative_to.as_str()));
         for figures in &published.figures {
             for (key, value) in figures.at.iter() {
                 let axis = preset.sweep.iter().find(|axis| axis.key.value == key.value);
-                assert!(axis.is_some_and(|axis| axis.values.contains(value)), "{name}: {key:?}");
+                assert!(
+                    axis.is_some_and(|axis| axis.values.contains(value)),
+                    "{name}: {key:?}"
+                );
             }
             for (pipeline, _) in figures.frames_per_second.iter() {
-                assert!(pipelines.contains(&pipeline.value.as_str()), "{name}: {pipeline:?}");
+                assert!(
+                    pipelines.contains(&pipeline.value.as_str()),
+                    "{name}: {pipeline:?}"
+                );
             }
         }
     }

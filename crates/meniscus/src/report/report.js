@@ -181,5 +181,6 @@
     draw();
   }
 
-  Promise.all([...document.images].map((image) => image.decode())).then(begin, begin);
+  // Pictures in the page itself are there once it is loaded.
+  addEventListener("load", begin);
 })();
