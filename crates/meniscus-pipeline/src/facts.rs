@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use meniscus_shader::Library;
 use meniscus_source::ron::Spanned;
 use meniscus_source::{Diagnostic, Report};
 
@@ -14,6 +15,24 @@ pub const KNOWN: &[(&str, &str)] = &[
     ),
     ("camera_submerged", "the eye is under the water"),
 ];
+
+/// Whether the `when` lines of a library's slots name known facts.
+pub fn check_facts(library: &Library) -> Report {
+    let mut report = Report::default();
+    for module in library.modules() {
+        for fact in module.header.when.iter().flat_map(|when| &when.facts) {
+            if !KNOWN.iter().any(|(known, _)| *known == fact.text) {
+                let unknown = Diagnostic::error(format!("there is no fact `{}`", fact.text));
+                report.add(
+                    unknown
+                        .at(&fact.place, "unknown fact: this line never holds")
+                        .with_suggestion(&fact.text, KNOWN.iter().map(|(known, _)| *known)),
+                );
+            }
+        }
+    }
+    report
+}
 
 /// The facts that hold.
 #[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -77,6 +96,8 @@ impl Facts {
 
 #[cfg(test)]
 mod tests {
+    use meniscus_source::SourceFile;
+
     use super::*;
 
     #[test]
@@ -93,5 +114,29 @@ mod tests {
                 .to_string()
                 .contains("did you mean `waves`?")
         );
+    }
+
+    #[test]
+    fn a_slot_that_asks_for_an_unknown_fact_is_told_where() {
+        let read = |when: &str| {
+            let text = format!(
+                "// Light.\n//\n// when {when}: a/b\n\nfn light() -> f32 {{\n    return 1.0;\n}}\n"
+            );
+            let file = SourceFile::new("slots/light.wgsl", text);
+            let (library, _) = Library::new([("slots/light", file)]);
+            check_facts(&library)
+        };
+        assert_eq!(read("waves and displaced"), Report::default());
+        for (wrong, place) in [
+            ("waves and displased", "light.wgsl:3:19"),
+            ("wafes", "light.wgsl:3:9"),
+        ] {
+            let said = read(wrong).to_string();
+            assert!(
+                said.contains(place) && said.contains("did you mean"),
+                "{said}"
+            );
+        }
+        assert!(!read("not waves").is_ok());
     }
 }

@@ -13,7 +13,7 @@ mod schema;
 mod variant;
 
 pub use diff::diff;
-pub use facts::{Facts, KNOWN as KNOWN_FACTS};
+pub use facts::{Facts, KNOWN as KNOWN_FACTS, check_facts};
 pub use file::{Dispatch, Over, Runs};
 pub use pipeline::{Pass, PassOver, Pipeline, Pipelines};
 pub use plan::{Buffer, Format, Geometry, PassKind, Plan, PlannedPass, Size, Texture};

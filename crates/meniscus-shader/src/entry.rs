@@ -185,6 +185,16 @@ fn outputs(skeleton: &Module, recipe: &Recipe) -> Result<Vec<(String, String)>, 
     report.into_result(found)
 }
 
+/// Whether a function's body has a word.
+fn uses(skeleton: &Module, function: &Item, word: &str) -> bool {
+    let text = &skeleton.file.text;
+    let body = text[function.range.clone()].find('{');
+    let start = function.range.start + body.unwrap_or_default();
+    let tokens = skeleton.outline.tokens.iter();
+    let mut inside = tokens.filter(|t| t.range.start > start && t.range.end <= function.range.end);
+    inside.any(|token| &text[token.range.clone()] == word)
+}
+
 /// Whether a type may pass from stage to stage.
 fn is_io(ty: &str) -> bool {
     let vector = |size: char| {
@@ -283,24 +293,22 @@ fn draw(skeleton: &Module, recipe: &Recipe) -> Result<Written, Report> {
         return Err(wrong_function(skeleton, &fragment, what));
     }
     check_state(skeleton, &fragment, recipe)?;
-    let mut attributes = Vec::new();
-    let mut parameters = Vec::new();
-    for (index, parameter) in vertex.parameters.iter().enumerate() {
-        let location = index as u32;
-        parameters.push(format!(
-            "@location({location}) in_{}: {}",
-            parameter.name, parameter.ty
-        ));
+    let (mut attributes, mut parameters, mut values) = (Vec::new(), Vec::new(), Vec::new());
+    for parameter in vertex.parameters {
+        let Field { name, ty, .. } = parameter;
+        // What the skeleton takes and leaves aside is not fetched.
+        if !uses(skeleton, vertex.item, name) {
+            values.push(format!("{ty}()"));
+            continue;
+        }
+        let location = attributes.len() as u32;
+        parameters.push(format!("@location({location}) in_{name}: {ty}"));
+        values.push(format!("in_{name}"));
         attributes.push(Attribute {
-            name: parameter.name.clone(),
+            name: name.clone(),
             location,
         });
     }
-    let names: Vec<String> = vertex
-        .parameters
-        .iter()
-        .map(|p| format!("in_{}", p.name))
-        .collect();
     let mut varying = String::new();
     let mut location = 0;
     for member in members {
@@ -346,7 +354,7 @@ fn draw(skeleton: &Module, recipe: &Recipe) -> Result<Written, Report> {
          @fragment\nfn fragment_main(v: PassVarying{front}){result} {{\n    let pixel = v.clip.xy;\n    \
          let state = fragment({ty}({}){extra});\n{end}}}\n",
         parameters.join(", "),
-        names.join(", "),
+        values.join(", "),
         copies("v"),
         copies("v"),
     );

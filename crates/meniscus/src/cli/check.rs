@@ -1,7 +1,7 @@
 //! `meniscus check`
 
 use meniscus::Project;
-use meniscus::pipeline::{Facts, Plan};
+use meniscus::pipeline::{Facts, Plan, check_facts};
 use meniscus::source::Diagnostic;
 
 use super::Failure;
@@ -14,6 +14,7 @@ pub(crate) fn check(project: &Project, check: &Check) -> Result<(), Failure> {
         false => project.pipeline_names(&check.pipelines)?,
     };
     let mut report = project.warnings.clone();
+    report.extend(check_facts(project.composer.library()));
     let mut passes = 0;
     for name in &names {
         match project.pipeline(name) {
