@@ -195,3 +195,17 @@ fn the_schema_is_json_and_knows_pipelines_and_variants() {
         assert!(schema["$defs"][kind]["properties"]["about"].is_object());
     }
 }
+
+#[test]
+fn a_slot_that_asks_for_an_unknown_fact_is_refused() {
+    let folder = folder();
+    let slot = include_str!("../shader-modules/slots/surface.wgsl");
+    let odd = slot.replace("when waves", "when wafes");
+    assert_ne!(slot, odd);
+    write(&folder.path().join("slots/surface.wgsl"), odd);
+    meniscus(["check", "--modules", text(folder.path()), "refraction/none"]).refused(&[
+        "surface.wgsl:",
+        "there is no fact `wafes`",
+        "did you mean `waves`?",
+    ]);
+}

@@ -59,7 +59,7 @@ pub fn diff(a: &Pipeline, b: &Pipeline) -> Vec<String> {
         &plain(&b.buffers),
         &mut said,
     );
-    entries("the list of", &plain(&a.lists), &plain(&b.lists), &mut said);
+    entries("the list of", &named(&a.lists), &named(&b.lists), &mut said);
     if a.output.value != b.output.value {
         said.push(format!(
             "`{}` comes out, not `{}`",
@@ -72,6 +72,13 @@ pub fn diff(a: &Pipeline, b: &Pipeline) -> Vec<String> {
 fn plain<T: Display>(map: &BTreeMap<String, Spanned<T>>) -> BTreeMap<String, String> {
     map.iter()
         .map(|(name, value)| (name.clone(), value.value.to_string()))
+        .collect()
+}
+
+/// Names that a map leads to, marked as such.
+fn named(map: &BTreeMap<String, Spanned<String>>) -> BTreeMap<String, String> {
+    map.iter()
+        .map(|(key, value)| (key.clone(), format!("`{}`", value.value)))
         .collect()
 }
 
@@ -96,11 +103,6 @@ fn entries(
 
 fn passes(a: &Pass, b: &Pass, said: &mut Vec<String>) {
     let name = &b.name.value;
-    let strings = |map: &BTreeMap<String, Spanned<String>>| -> BTreeMap<String, String> {
-        map.iter()
-            .map(|(key, value)| (key.clone(), format!("`{}`", value.value)))
-            .collect()
-    };
     let mut differs = |what: &str, old: String, new: String| {
         if old != new {
             said.push(format!("in `{name}`, {what} is {new}, not {old}"));
@@ -108,13 +110,13 @@ fn passes(a: &Pass, b: &Pass, said: &mut Vec<String>) {
     };
     differs(
         "the skeleton",
-        a.skeleton.value.clone(),
-        b.skeleton.value.clone(),
+        format!("`{}`", a.skeleton.value),
+        format!("`{}`", b.skeleton.value),
     );
     let rule = |pass: &Pass| {
         pass.when
             .as_ref()
-            .map_or("always".to_owned(), |when| when.value.clone())
+            .map_or("always".to_owned(), |when| format!("`{}`", when.value))
     };
     differs("the condition", rule(a), rule(b));
     differs("what it runs over", over(a), over(b));
@@ -130,8 +132,8 @@ fn passes(a: &Pass, b: &Pass, said: &mut Vec<String>) {
     );
     entries(
         &format!("in `{name}`, what is read as"),
-        &strings(&a.reads),
-        &strings(&b.reads),
+        &named(&a.reads),
+        &named(&b.reads),
         said,
     );
     let writes = |pass: &Pass| -> BTreeMap<String, String> {
