@@ -78,7 +78,7 @@ pub(crate) enum Command {
     /// Render one pipeline to a PNG.
     Render(Render),
     /// Render pipelines beside each other and beside ray-traced truth: time and error in one table.
-    Ablate(Ablate),
+    Ablate(Box<Ablate>),
     /// Join the results of parts of a sweep.
     Merge(super::sweep::Merge),
     /// Measure how far a picture is from another: PNG (sRGB) or EXR (linear).
