@@ -81,7 +81,7 @@ fn the_keys_are_those_of_the_contract() {
             "undefined_pixels",
             "rows",
         ],
-        &[],
+        &["preprocessing", "scene_bytes"],
     );
     let provenance = keys(
         &results["provenance"],
@@ -121,7 +121,7 @@ fn the_keys_are_those_of_the_contract() {
             &[
                 "pipeline", "timer", "frame_ms", "passes", "counters", "error",
             ],
-            &["relative", "shaders", "not_finite_pixels"],
+            &["relative", "shaders", "not_finite_pixels", "warnings"],
         );
         assert!(row["timer"] == "gpu" || row["timer"] == "wall", "{row}");
         let frame = &row["frame_ms"];

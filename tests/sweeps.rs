@@ -42,7 +42,11 @@ fn without_times(mut sweep: Value) -> Value {
 fn a_sweep_that_was_interrupted_goes_on_where_it_stopped() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("sweep.json");
-    sweep(&file, &[]).done();
+    let report = folder.path().join("report.html");
+    sweep(&file, &["--report", report.to_str().unwrap()]).done();
+    // Time and error along either setting at each value of the other.
+    let page = std::fs::read_to_string(&report).unwrap();
+    assert_eq!(page.matches("<svg").count(), 2 * (2 + 2));
     let whole = read(&file);
     assert_eq!(whole["points"].as_array().unwrap().len(), 4);
 
@@ -108,7 +112,6 @@ fn what_cannot_be_swept_is_refused_before_anything_runs() {
     sweep(&file, &["--sweep", "camera.target.x"]).refused(&["camera.target.x", "="]);
     sweep(&file, &["--sweep", "camera.height=2"]).refused(&["swept twice"]);
     sweep(&file, &["--partition", "3/2"]).refused(&["3/2", "K/N"]);
-    sweep(&file, &["--report", "r.html"]).refused(&["--out"]);
     assert!(!file.exists());
     std::fs::write(&file, "{}").unwrap();
     sweep(&file, &[]).refused(&["sweep.json", "not the results of a sweep"]);

@@ -7,6 +7,7 @@
 //! Nothing is dropped: a NaN counts as the largest error there is, never as no error.
 
 mod colour;
+mod curves;
 mod error;
 mod files;
 mod geometric;
@@ -25,6 +26,7 @@ mod trend;
 pub use colour::{
     ColourError, MAX_PSNR_DB, colour_error, linear_to_srgb, srgb_to_linear, to_srgb8,
 };
+pub use curves::{Curve, curves_figure};
 pub use error::MeasureError;
 pub use files::{png_bytes, write_atomically, write_png};
 pub use geometric::{Comparison, Judgement, Picture, Seen, Verdict};

@@ -1,6 +1,7 @@
 //! Results of one ablation at many points: the settings that were swept, and every combination.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -108,9 +109,9 @@ impl Sweep {
                     );
                     return Err(MeasureError::value(name, problem));
                 }
-                if !first.contains_key(&point.index) {
+                if let Entry::Vacant(place) = first.entry(point.index) {
                     merged.put(&point, results.clone())?;
-                    first.insert(point.index, (name.clone(), point));
+                    place.insert((name.clone(), point));
                 }
             }
         }

@@ -54,7 +54,7 @@ const LETTER: f64 = 6.4;
 const LINE: f64 = 14.0;
 
 /// A logarithmic axis: a range of numbers onto a range of the picture.
-struct Axis {
+pub(crate) struct Axis {
     low: f64,
     high: f64,
     from: f64,
@@ -63,7 +63,7 @@ struct Axis {
 
 impl Axis {
     /// An axis that holds all `values` (positive) with room at both ends.
-    fn holding(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
+    pub fn holding(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
         let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(l, h), v| (l.min(v), h.max(v)));
         // At least a factor of four, so that equal values do not blow up the axis.
         let middle = (low.ln() + high.ln()) / 2.0;
@@ -76,13 +76,13 @@ impl Axis {
         }
     }
 
-    fn at(&self, value: f64) -> f64 {
+    pub fn at(&self, value: f64) -> f64 {
         let share = (value / self.low).ln() / (self.high / self.low).ln();
         self.from + share * (self.to - self.from)
     }
 
     /// Powers of ten, and 2 and 5 times them where the axis is short.
-    fn ticks(&self) -> Vec<f64> {
+    pub fn ticks(&self) -> Vec<f64> {
         let decades = (self.high / self.low).log10();
         let steps: &[f64] = if decades > 4.0 {
             &[1.0]
@@ -318,7 +318,7 @@ fn place_labels(points: &[FigurePoint], places: &[[f64; 2]]) -> Vec<[f64; 2]> {
 }
 
 /// At most four significant digits, without trailing noughts.
-fn plain(x: f64) -> String {
+pub(crate) fn plain(x: f64) -> String {
     if x == 0.0 {
         return "0".into();
     }
@@ -330,7 +330,7 @@ fn plain(x: f64) -> String {
     }
 }
 
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -28,7 +28,7 @@ pub use output::write_directory;
 pub use picture::{Picture, PictureError};
 pub use preset::{Figures, Preset, PresetAxis, Published};
 pub use project::{Project, Sources};
-pub use report::report;
+pub use report::{Beside, report, sweep_report};
 pub use rounds::{Rounds, Until};
 pub use sweep::{Axis, Partition, fingerprint, points};
 pub use warnings::gathered_warnings;

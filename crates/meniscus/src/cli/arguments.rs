@@ -203,7 +203,7 @@ pub(crate) struct Ablate {
     #[command(flatten)]
     pub sweeping: super::sweep::Sweeping,
     /// Write one HTML file with the table, the plane of time and error, pictures to compare, times of
-    /// passes and provenance.
+    /// passes and provenance; of a sweep, with curves and the tables of all points.
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
     /// Write the results as JSON; crates/meniscus-measure/README.md tells the keys.

@@ -8,8 +8,8 @@ use meniscus::measure::{Results, Sweep, SweepPoint, Table, write_atomically};
 use meniscus::scene::keys;
 use meniscus::source::Diagnostic;
 use meniscus::{
-    Axis, Partition, Preset, Project, Published, fingerprint, gathered_warnings, points,
-    write_directory,
+    Axis, Beside, Partition, Preset, Project, Published, fingerprint, gathered_warnings, points,
+    sweep_report, write_directory,
 };
 use serde_json::{Map, json};
 
@@ -115,11 +115,6 @@ pub(crate) fn run(
     ablate: &Ablate,
     published: Option<&Published>,
 ) -> Result<(), Failure> {
-    if ablate.report.is_some() {
-        let message = "`--report` holds one ablation, and a sweep is many";
-        let help = "use --out DIR, which holds a report for each point";
-        return Err(Diagnostic::error(message).with_help(help).into());
-    }
     let mut axes = Vec::new();
     for text in &ablate.sweeping.axes {
         axes.push(text.parse::<Axis>()?);
@@ -133,7 +128,7 @@ pub(crate) fn run(
             prepare(project, &at_point(ablate, swept))?;
         }
     }
-    let files = [&ablate.json, &ablate.markdown, &ablate.csv];
+    let files = [&ablate.json, &ablate.markdown, &ablate.csv, &ablate.report];
     outputs::check(files.into_iter().flatten(), ablate.out.as_ref())?;
     let mut sweep = match &ablate.json {
         Some(path) if path.exists() => read(path)?,
@@ -187,8 +182,21 @@ pub(crate) fn run(
             write_atomically(path, sweep.to_json()?.as_bytes())?;
         }
     }
-    let beside = published.map_or(String::new(), |published| beside(&sweep, published));
+    let rows = published.map_or(Vec::new(), |published| beside(&sweep, published));
+    let source = published.map_or(String::new(), source);
+    let beside = match rows.is_empty() {
+        true => String::new(),
+        false => format!("\n{source}\n\n{}", aligned(&rows)),
+    };
     say(&beside)?;
+    if let Some(path) = &ablate.report {
+        let table = (!rows.is_empty()).then_some(Beside {
+            source: &source,
+            headings: &HEADINGS,
+            rows: &rows,
+        });
+        write_atomically(path, sweep_report(&sweep, table)?.as_bytes())?;
+    }
     if let Some(path) = &ablate.csv {
         write_atomically(path, sweep.csv()?.as_bytes())?;
     }
@@ -224,25 +232,32 @@ fn read(path: &Path) -> Result<Sweep, Failure> {
     Sweep::from_json(&name, &text).map_err(|wrong| Diagnostic::error(wrong.to_string()).into())
 }
 
-/// Published figures beside ours, as a table in Markdown; empty where there are none of the points
-/// that ran.
-fn beside(sweep: &Sweep, published: &Published) -> String {
-    let headings = [
-        "at",
-        "pipeline",
-        "frames/s",
-        "times",
-        "theirs: frames/s",
-        "theirs: times",
-    ];
+/// Headings of [`beside`].
+const HEADINGS: [&str; 6] = [
+    "at",
+    "pipeline",
+    "frames/s",
+    "times",
+    "theirs: frames/s",
+    "theirs: times",
+];
+
+/// Whose figures stand beside ours.
+fn source(published: &Published) -> String {
+    format!(
+        "Beside {}; times are multiples of {}'s. Theirs are of their machine and scene: compare \
+         ratios.",
+        published.source, published.relative_to
+    )
+}
+
+/// Published figures beside ours; none where they are of other points than those that ran.
+fn beside(sweep: &Sweep, published: &Published) -> Vec<Vec<String>> {
     let mut rows: Vec<Vec<String>> = Vec::new();
     for (point, results) in sweep.places() {
         let value = |v: &serde_json::Value| v.as_str().unwrap_or_default().to_owned();
-        let swept: Vec<_> = point
-            .swept
-            .iter()
-            .map(|(k, v)| (k.clone(), value(v)))
-            .collect();
+        let swept = point.swept.iter();
+        let swept: Vec<_> = swept.map(|(k, v)| (k.clone(), value(v))).collect();
         let Some(figures) = published.at(&swept) else {
             continue;
         };
@@ -261,40 +276,34 @@ fn beside(sweep: &Sweep, published: &Published) -> String {
             ]);
         }
     }
-    if rows.is_empty() {
-        return String::new();
-    }
+    rows
+}
+
+/// Rows under [`HEADINGS`] as Markdown with columns of even width.
+fn aligned(rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
         let cells = rows.iter().map(|row| row[column].chars().count());
-        cells
-            .chain([headings[column].chars().count()])
-            .max()
-            .unwrap_or(0)
+        let heading = HEADINGS[column].chars().count();
+        cells.fold(heading, usize::max)
     };
     let line = |cells: Vec<&str>| {
         let padded = cells.iter().enumerate().map(|(column, cell)| {
             let pad = " ".repeat(width(column).saturating_sub(cell.chars().count()));
-            if column < 2 {
-                format!("{cell}{pad}")
-            } else {
-                format!("{pad}{cell}")
+            match column < 2 {
+                true => format!("{cell}{pad}"),
+                false => format!("{pad}{cell}"),
             }
         });
         format!("| {} |\n", padded.collect::<Vec<_>>().join(" | "))
     };
-    let mut text = format!(
-        "\nBeside {}; times are multiples of {}'s. Theirs are of their machine and scene: compare \
-         ratios.\n\n",
-        published.source, published.relative_to
-    );
-    text.push_str(&line(headings.to_vec()));
-    let rule = |column: usize| {
-        let dashes = width(column) - usize::from(column >= 2);
-        "-".repeat(dashes) + if column < 2 { "" } else { ":" }
+    let rule = |column: usize| match column < 2 {
+        true => "-".repeat(width(column)),
+        false => "-".repeat(width(column) - 1) + ":",
     };
-    let rules: Vec<String> = (0..headings.len()).map(rule).collect();
+    let rules: Vec<String> = (0..HEADINGS.len()).map(rule).collect();
+    let mut text = line(HEADINGS.to_vec());
     text.push_str(&line(rules.iter().map(String::as_str).collect()));
-    for row in &rows {
+    for row in rows {
         text.push_str(&line(row.iter().map(String::as_str).collect()));
     }
     text

@@ -3,6 +3,10 @@
 //!
 //! Written out here: a template engine would be another language for some forty lines of markup.
 
+mod swept;
+
+pub use swept::{Beside, sweep_report};
+
 use std::fmt::Write as _;
 
 use base64::Engine as _;
