@@ -4,9 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec3, UVec2, Vec3};
 use meniscus_pipeline::{Size, host};
-use meniscus_scene::{
-    Camera, Material, Pattern, Scene, Sky, Sun, View, Water, WaterGeometry,
-};
+use meniscus_scene::{Camera, Material, Pattern, Scene, Sky, Sun, View, Water, WaterGeometry};
 
 use crate::guard::{self, GUARD_MAX, GuardFacts};
 use crate::layout::Value;

@@ -45,7 +45,9 @@ fn fresnel(cosine: f32, n: f32) -> f32 {
 const COUNT: usize = 4096;
 
 fn column(low: f32, high: f32) -> Vec<f32> {
-    (0..COUNT).map(|i| low + (high - low) * (i as f32 * 0.618_034).fract()).collect()
+    (0..COUNT)
+        .map(|i| low + (high - low) * (i as f32 * 0.618_034).fract())
+        .collect()
 }
 
 fn evaluate<S: Scalar>(criterion: &mut Criterion, function: &Function, inputs: &[Vec<f32>]) {
@@ -76,7 +78,12 @@ fn evaluations(criterion: &mut Criterion) {
     );
     let info = validator.validate(&module).expect("is valid");
     let program = Program::new(&module, &info, Settings::default()).expect("a program");
-    let crossing = [column(0.3, 30.0), column(0.1, 10.0), column(0.05, 200.0), column(1.2, 2.4)];
+    let crossing = [
+        column(0.3, 30.0),
+        column(0.1, 10.0),
+        column(0.05, 200.0),
+        column(1.2, 2.4),
+    ];
     let reflection = [column(0.001, 1.0), column(1.1, 2.5)];
     for (name, inputs) in [("snell", &crossing[..]), ("fresnel", &reflection[..])] {
         let function = program.function(name).expect("compiles");
