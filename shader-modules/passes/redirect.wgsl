@@ -4,8 +4,7 @@
 //
 // skeleton: screen
 // outputs: colour, shown
-// slots: colour
-// needs: sky/gradient, water/redirected
+// needs: water/redirected
 
 fn screen(pixel: vec2f) -> Redirected {
     return redirected(pixel);
@@ -16,15 +15,9 @@ fn keep(redirected: Redirected) -> bool {
 }
 
 fn write_colour(redirected: Redirected) -> vec4f {
-    if !redirected.wet {
-        return vec4f(sky_colour(redirected.ray.direction), 1.0);
-    }
-    return vec4f(colour(redirected.hit, redirected.ray), 1.0);
+    return redirected_colour(redirected);
 }
 
 fn write_shown(redirected: Redirected) -> vec4f {
-    if !redirected.wet {
-        return vec4f(0.0, 0.0, 0.0, -1.0);
-    }
-    return shown(redirected.hit, redirected.ray);
+    return redirected_shown(redirected);
 }

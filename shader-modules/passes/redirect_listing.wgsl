@@ -5,9 +5,8 @@
 //
 // skeleton: screen
 // outputs: colour, shown
-// slots: colour
 // number bound_px: 0 to 64 px, step 0.05
-// needs: sky/gradient, water/redirected
+// needs: water/redirected
 
 // Pixels as x + 65536 y, behind their count.
 struct List {
@@ -43,15 +42,9 @@ fn also(candidate: Candidate) {
 }
 
 fn write_colour(candidate: Candidate) -> vec4f {
-    if !candidate.redirected.wet {
-        return vec4f(sky_colour(candidate.redirected.ray.direction), 1.0);
-    }
-    return vec4f(colour(candidate.redirected.hit, candidate.redirected.ray), 1.0);
+    return redirected_colour(candidate.redirected);
 }
 
 fn write_shown(candidate: Candidate) -> vec4f {
-    if !candidate.redirected.wet {
-        return vec4f(0.0, 0.0, 0.0, -1.0);
-    }
-    return shown(candidate.redirected.hit, candidate.redirected.ray);
+    return redirected_shown(candidate.redirected);
 }

@@ -1,7 +1,7 @@
 // What a pixel shows that looks through the water.
 //
-// needs: geometry/ray, geometry/hit, screen/target
-// slots: meet, deflect, intersect
+// needs: geometry/ray, geometry/hit, screen/target, sky/gradient
+// slots: meet, deflect, intersect, colour
 
 // What stands before the water, with reversed depth.
 var front_depth: texture_depth_2d;
@@ -26,4 +26,20 @@ fn redirected(pixel: vec2f) -> Redirected {
     let behind = deflect(Ray(met.point, ray.direction), met.normal);
     let texel = pixel + 0.5 * (view_target.seen_size - view_target.size);
     return Redirected(behind.ray, intersect(behind.ray, texel), true, true);
+}
+
+// Its light, linear RGB: the sky's where neither water nor anything before it is seen.
+fn redirected_colour(redirected: Redirected) -> vec4f {
+    if !redirected.wet {
+        return vec4f(sky_colour(redirected.ray.direction), 1.0);
+    }
+    return vec4f(colour(redirected.hit, redirected.ray), 1.0);
+}
+
+// The world point (metres) and object id of that light; the id is −1 for the sky.
+fn redirected_shown(redirected: Redirected) -> vec4f {
+    if !redirected.wet {
+        return vec4f(0.0, 0.0, 0.0, -1.0);
+    }
+    return shown(redirected.hit, redirected.ray);
 }
