@@ -20,10 +20,20 @@ pub struct Counters {
     pub fragment_invocations: Option<u64>,
     /// Runs of compute shaders.
     pub compute_invocations: Option<u64>,
-    /// Bytes of the textures between passes.
+    /// Bytes of the textures between passes, as they were made: those that are never needed at once
+    /// share memory.
     pub texture_bytes: u64,
+    /// Bytes that they would take if each had memory of its own.
+    pub texture_sum_bytes: u64,
+    /// Bytes of those that are needed at once, in the pass that needs most.
+    pub texture_peak_bytes: u64,
     /// Bytes of the buffers between passes.
     pub buffer_bytes: u64,
+    /// Bytes of the scene: its vertices and indices, and what was made of them for rays; frames of
+    /// the same [`crate::SceneBuffers`] share them.
+    pub scene_bytes: u64,
+    /// Bytes that the last [`Frame::update`] wrote for this frame.
+    pub uploaded_bytes: u64,
     /// The passes in order.
     pub passes: Vec<PassCounters>,
 }
@@ -96,7 +106,11 @@ impl Frame {
             fragment_invocations: total(|p| p.fragment_invocations),
             compute_invocations: total(|p| p.compute_invocations),
             texture_bytes: self.resources().texture_bytes(),
+            texture_sum_bytes: self.resources().texture_sum_bytes(),
+            texture_peak_bytes: self.resources().texture_peak_bytes(),
             buffer_bytes: self.resources().buffer_bytes(),
+            scene_bytes: self.scene().bytes(),
+            uploaded_bytes: self.uploaded_last(),
             passes,
         })
     }

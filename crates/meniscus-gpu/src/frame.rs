@@ -32,6 +32,7 @@ pub struct Frame {
     parts: Parts,
     stopwatch: Option<Stopwatch>,
     uploaded: u64,
+    uploaded_last: u64,
 }
 
 /// What depends on the views and on the side of the water that the eye is on.
@@ -76,6 +77,7 @@ impl Frame {
             parts,
             stopwatch,
             uploaded: 0,
+            uploaded_last: 0,
         })
     }
 
@@ -104,9 +106,11 @@ impl Frame {
         } else {
             self.parts.host_buffers.update(&self.gpu, &host, &views)?
         };
+        self.uploaded_last = 0;
         match written {
             Written::Bytes(bytes) => {
                 self.uploaded += bytes;
+                self.uploaded_last = bytes;
                 self.redraw(&host, &views)?;
             }
             Written::Outgrown => {
@@ -243,6 +247,15 @@ impl Frame {
     /// Bytes that [`Frame::update`] has written so far.
     pub fn uploaded(&self) -> u64 {
         self.uploaded
+    }
+
+    /// Bytes that the last [`Frame::update`] wrote.
+    pub(crate) fn uploaded_last(&self) -> u64 {
+        self.uploaded_last
+    }
+
+    pub(crate) fn scene(&self) -> &SceneBuffers {
+        &self.scene
     }
 
     pub(crate) fn gpu(&self) -> &Gpu {

@@ -45,6 +45,6 @@ pub use frame::Frame;
 pub use guard::{GUARD_MAX, GuardFacts, guard, largest_tilt};
 pub use pipelines::PipelineCache;
 pub use readback::Pixels;
-pub use scene_buffers::{FarSide, SceneBuffers};
+pub use scene_buffers::{FarSide, Preprocessing, SceneBuffers};
 pub use subdivide::BOW_PX;
 pub use timing::{FrameTiming, PassTiming, Timer};

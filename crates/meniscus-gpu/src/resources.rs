@@ -94,10 +94,20 @@ impl Resources {
 
     /// Bytes of all textures.
     pub fn texture_bytes(&self) -> u64 {
+        self.texture_sum_bytes()
+    }
+
+    /// Bytes of all textures if none shared memory with another.
+    pub fn texture_sum_bytes(&self) -> u64 {
         let bytes = |t: &Target| {
             u64::from(t.size.x) * u64::from(t.size.y) * u64::from(formats::texel_bytes(t.format))
         };
         self.textures.values().map(bytes).sum()
+    }
+
+    /// Bytes of the textures that are needed at once.
+    pub fn texture_peak_bytes(&self) -> u64 {
+        self.texture_sum_bytes()
     }
 
     /// Bytes of all buffers.

@@ -76,6 +76,13 @@ impl SceneArrays {
         self.distances.get().map(|field| field.build_ms)
     }
 
+    /// Bytes that are uploaded of these arrays.
+    pub fn bytes_of(&self, arrays: &[&str]) -> u64 {
+        let held = self.held();
+        let of = held.iter().filter(|u| arrays.contains(&u.array.as_str()));
+        of.map(|u| u.buffer.size()).sum()
+    }
+
     /// Bytes that are uploaded.
     pub fn bytes(&self) -> u64 {
         self.held().iter().map(|u| u.buffer.size()).sum()

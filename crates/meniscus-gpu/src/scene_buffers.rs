@@ -47,6 +47,18 @@ pub(crate) struct FarGeometry {
     facts: FarSide,
 }
 
+/// Something that was made of a scene on the CPU before it could be drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Preprocessing {
+    /// What was made: `bvh` (triangles in boxes, for rays), `distance_field` (distances to the
+    /// triangles), `far_side` (triangles divided for flat water and the camera that asked last).
+    pub name: &'static str,
+    /// How long it took, milliseconds.
+    pub ms: f64,
+    /// Bytes that it takes on the GPU; 0 where nothing had to be made.
+    pub bytes: u64,
+}
+
 /// How the far side's triangles were divided for a camera and picture size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FarSide {
@@ -155,6 +167,27 @@ impl SceneBuffers {
     /// none while no frame of this scene has asked for them.
     pub fn distance_field_ms(&self) -> Option<f64> {
         self.arrays.distance_field_ms()
+    }
+
+    /// What was made of the scene on the CPU so far, with its cost; only what some frame has asked
+    /// for.
+    pub fn preprocessing(&self) -> Vec<Preprocessing> {
+        let far = self.held_far().last().map(|(_, far)| {
+            let bytes = far.divided.as_ref().map_or(0, GeometryBuffers::bytes);
+            (far.facts.ms, bytes)
+        });
+        let bvh = |ms| (ms, self.arrays.bytes_of(&["triangles", "bvh_nodes"]));
+        let distances = ["distance_grids", "distance_voxels", "distance_objects"];
+        let field = |ms| (ms, self.arrays.bytes_of(&distances));
+        let made = [
+            ("bvh", self.build_ms().map(bvh)),
+            ("distance_field", self.distance_field_ms().map(field)),
+            ("far_side", far),
+        ];
+        let told = |(name, cost): (&'static str, Option<(f64, u64)>)| {
+            cost.map(|(ms, bytes)| Preprocessing { name, ms, bytes })
+        };
+        made.into_iter().filter_map(told).collect()
     }
 
     /// The arrays that are made of the triangles.
