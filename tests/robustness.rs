@@ -199,7 +199,7 @@ fn no_texture_of_any_pass_holds_a_number_that_is_none() {
         for name in &names {
             let pipeline = project.pipeline(name).unwrap_or_else(|e| panic!("{e}"));
             for shown in [false, true] {
-                let facts = facts_of(&scene);
+                let facts = facts_of(&scene, [97, 61]);
                 let plan = Plan::new(&pipeline, &project.composer, &facts, shown)
                     .unwrap_or_else(|e| panic!("{e}"));
                 let size = UVec2::new(97, 61);

@@ -151,6 +151,8 @@ pub enum Over {
     All,
     /// Pixels that may show water; the skeleton's `keep` decides for each.
     Water,
+    /// The other pixels: those that cannot show water.
+    Dry,
     /// The pixels of a list in a buffer, with an indirect dispatch by another buffer.
     List {
         /// The buffer with a count and the pixels behind it.

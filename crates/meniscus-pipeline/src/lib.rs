@@ -6,6 +6,7 @@ mod file;
 mod graph;
 pub mod host;
 mod interface;
+mod outlook;
 mod pipeline;
 mod plan;
 mod planner;
@@ -15,6 +16,9 @@ mod variant;
 pub use diff::diff;
 pub use facts::{Facts, KNOWN as KNOWN_FACTS, check_facts};
 pub use file::{Dispatch, Over, Runs};
+pub use outlook::{Counted, FINE_EDGES_PX, Outlook, Rect, SceneBounds};
 pub use pipeline::{Pass, PassOver, Pipeline, Pipelines};
-pub use plan::{Buffer, Format, Geometry, PassKind, Plan, PlannedPass, Size, Texture};
+pub use plan::{
+    Buffer, Covers, Format, Geometry, PassKind, Plan, PlannedPass, Pruning, Size, Texture,
+};
 pub use schema::SCHEMA;

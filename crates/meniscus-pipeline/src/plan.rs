@@ -102,6 +102,31 @@ pub enum Size {
     Guarded,
 }
 
+/// What may be left out of a plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+pub enum Pruning {
+    /// Nothing: the facts choose between passes, and all else runs.
+    None,
+    /// What changes no bit of any output.
+    Exact,
+    /// Also what moves nothing that is shown by more than a declared part of a pixel.
+    #[default]
+    Approximate,
+}
+
+/// The pixels that a pass may touch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+pub enum Covers {
+    /// All of its targets.
+    #[default]
+    All,
+    /// Those that may show water: see [`crate::Outlook::water`]. Others keep what they hold, and are
+    /// cleared where nothing has been written yet.
+    Water,
+    /// The other ones.
+    Dry,
+}
+
 /// One pass, ready to run.
 #[derive(Debug, Clone)]
 pub struct PlannedPass {
@@ -109,6 +134,8 @@ pub struct PlannedPass {
     pub name: String,
     /// What runs.
     pub kind: PassKind,
+    /// The pixels that it is meant for; more do no harm.
+    pub covers: Covers,
     /// The shader.
     pub shader: Arc<Shader>,
     /// Values of the shader's `override`s, by their names in the IR.

@@ -10,7 +10,7 @@ use crate::facts::Facts;
 use crate::file::{Dispatch, Over, Runs};
 use crate::interface::{self, SHOWN, SHOWN_OF, about};
 use crate::pipeline::{Pass, PassOver, Pipeline};
-use crate::plan::{Format, PassKind, Plan, PlannedPass, Size, Texture};
+use crate::plan::{Covers, Format, PassKind, Plan, PlannedPass, Pruning, Size, Texture};
 
 /// The output whose textures have a twin with what is shown.
 const COLOUR: &str = "colour";
@@ -26,18 +26,36 @@ const MAX_GROUPS: u32 = 65_535;
 const TARGET: &str = "target_";
 
 impl Plan {
-    /// Composes the passes that the facts leave, and checks everything that can be checked without
-    /// a GPU. With `shown`, each pass that writes `colour` is followed by one that writes which
-    /// world point and object that colour shows.
+    /// A plan with everything left out that may be: see [`Plan::pruned`].
     ///
     /// # Errors
-    /// All that is wrong, in the words of the pipeline's file and of the modules.
+    /// As [`Plan::pruned`].
     pub fn new(
         pipeline: &Pipeline,
         composer: &Composer,
         facts: &Facts,
         shown: bool,
     ) -> Result<Self, Report> {
+        Self::pruned(pipeline, composer, facts, Pruning::default(), shown)
+    }
+
+    /// Composes the passes that the facts leave, and checks everything that can be checked without
+    /// a GPU. With `shown`, each pass that writes `colour` is followed by one that writes which
+    /// world point and object that colour shows.
+    ///
+    /// # Errors
+    /// All that is wrong, in the words of the pipeline's file and of the modules.
+    pub fn pruned(
+        pipeline: &Pipeline,
+        composer: &Composer,
+        facts: &Facts,
+        pruning: Pruning,
+        shown: bool,
+    ) -> Result<Self, Report> {
+        let facts = &match pruning {
+            Pruning::None => facts.unpruned(),
+            _ => *facts,
+        };
         let mut planner = Planner {
             pipeline,
             composer,
@@ -300,6 +318,11 @@ impl Planner<'_> {
         self.passes.push(PlannedPass {
             name,
             kind,
+            covers: match &pass.over {
+                PassOver::Screen(Over::Water, _) => Covers::Water,
+                PassOver::Screen(Over::Dry, _) => Covers::Dry,
+                _ => Covers::All,
+            },
             numbers: numbers(pass, &shader),
             shader,
             targets,

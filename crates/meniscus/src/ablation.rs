@@ -148,7 +148,7 @@ impl Ablation {
             cache: &cache,
             scene: Arc::new(SceneBuffers::new(gpu, &self.scene)?),
             size,
-            facts: facts_of(&self.scene),
+            facts: facts_of(&self.scene, self.size),
         };
         let mut subjects = Vec::new();
         for (index, pipeline) in self.pipelines.iter().enumerate() {

@@ -1,26 +1,16 @@
 //! What holds of a scene at its moment.
 
-use meniscus_pipeline::Facts;
-use meniscus_scene::{Scene, WaterGeometry};
+use glam::UVec2;
+use meniscus_pipeline::{Facts, Outlook, SceneBounds};
+use meniscus_scene::Scene;
 
-/// The facts of a scene: see [`meniscus_pipeline::KNOWN_FACTS`].
-pub fn facts_of(scene: &Scene) -> Facts {
-    let water = &scene.water;
-    let waves = !water.is_flat();
-    let displaced = waves && water.geometry == WaterGeometry::Displaced;
-    let eye = scene.camera.eye;
-    let level = match displaced {
-        true => water.level + water.height(eye.truncate()),
-        false => water.level,
-    };
-    let held = [
-        ("waves", waves),
-        ("displaced", displaced),
-        ("camera_submerged", eye.z < level),
-    ];
-    Facts::new(
-        held.into_iter()
-            .filter(|(_, holds)| *holds)
-            .map(|(name, _)| name),
-    )
+/// What a scene's camera sees in a frame of `size` pixels. Whoever asks for each frame keeps the
+/// scene's [`SceneBounds`] and asks [`Outlook::new`].
+pub fn outlook_of(scene: &Scene, size: [u32; 2]) -> Outlook {
+    Outlook::new(scene, &SceneBounds::new(scene), UVec2::from_array(size))
+}
+
+/// The facts of a scene in a frame of `size` pixels: see [`meniscus_pipeline::KNOWN_FACTS`].
+pub fn facts_of(scene: &Scene, size: [u32; 2]) -> Facts {
+    outlook_of(scene, size).facts
 }

@@ -16,13 +16,14 @@ mod project;
 mod provenance;
 mod report;
 mod rounds;
+mod scene_stress;
 mod subject;
 mod sweep;
 mod truth;
 mod warnings;
 
 pub use ablation::{Ablation, AblationError, Outcome, Progress, RowOutcome};
-pub use facts::facts_of;
+pub use facts::{facts_of, outlook_of};
 pub use marginal::{Without, leave_one_out, table as marginal_table};
 pub use output::write_directory;
 pub use picture::{Picture, PictureError};
@@ -30,6 +31,7 @@ pub use preset::{Figures, Preset, PresetAxis, Published};
 pub use project::{Project, Sources};
 pub use report::{Beside, report, sweep_report};
 pub use rounds::{Rounds, Until};
+pub use scene_stress::{Distance, SceneCheck, SceneFailure, SceneStress, StressedScenes, oddity_names};
 pub use sweep::{Axis, Partition, fingerprint, points};
 pub use warnings::gathered_warnings;
 

@@ -44,7 +44,7 @@ impl Picture {
             cache: &PipelineCache::default(),
             scene: Arc::new(SceneBuffers::new(gpu, scene)?),
             size: UVec2::from_array(size),
-            facts: facts_of(scene),
+            facts: facts_of(scene, size),
         };
         let colours = Subject::new(pipeline, &stage)?.colours()?;
         Ok(Self { size, colours })

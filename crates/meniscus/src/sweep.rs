@@ -133,7 +133,7 @@ pub fn fingerprint(ablation: &Ablation, project: &Project, gpu: &Gpu) -> Result<
         let plan = Plan::new(
             pipeline,
             &project.composer,
-            &facts_of(&ablation.scene),
+            &facts_of(&ablation.scene, ablation.size),
             true,
         )?;
         let _ = writeln!(hasher, "{} {:?}", pipeline.name, plan.textures);

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{DVec2, DVec3, UVec2, Vec3};
 use meniscus_gpu::{Frame, Gpu, GpuError, PipelineCache, SceneBuffers};
-use meniscus_pipeline::{Buffer, Format, PassKind, Plan, PlannedPass, Size, Texture};
+use meniscus_pipeline::{Buffer, Covers, Format, PassKind, Plan, PlannedPass, Size, Texture};
 use meniscus_scene::{
     Camera, Material, Mesh, Object, Pattern, Scene, Sky, Sun, Triangle, Water, WaterGeometry, Wave,
 };
@@ -146,6 +146,7 @@ pub fn pass(name: &str, kind: PassKind, shader: &Arc<Shader>, targets: &[&str]) 
     PlannedPass {
         name: name.to_owned(),
         kind,
+        covers: Covers::All,
         shader: shader.clone(),
         numbers: BTreeMap::new(),
         targets: targets.iter().map(|&t| t.to_owned()).collect(),
