@@ -7,6 +7,7 @@
 // outputs: colour, shown
 // number bound_px: 0 to 64 px, step 0.05
 // needs: water/redirected
+// slots: occluded
 
 // Pixels as x + 65536 y, behind their count.
 struct List {
@@ -32,7 +33,9 @@ fn keep(candidate: Candidate) -> bool {
 }
 
 fn also(candidate: Candidate) {
-    if candidate.redirected.wet && candidate.redirected.hit.residual >= bound_px {
+    let redirected = candidate.redirected;
+    let texel = seen_texel(candidate.pixel);
+    if redirected.wet && (redirected.hit.residual >= bound_px || occluded(redirected.ray, redirected.hit, texel)) {
         let place = atomicAdd(&listed.count, 1u);
         if place < arrayLength(&listed.pixels) {
             let pixel = vec2u(candidate.pixel);

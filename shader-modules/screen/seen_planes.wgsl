@@ -34,6 +34,13 @@ fn seen(texel: vec2f) -> Seen {
     let behind = deflect(Ray(crossing, ray.direction), vec3f(0.0, 0.0, 1.0)).ray;
     let slope = dot(normal, behind.direction);
     let offset = bitcast<f32>(plane.x) - dot(normal, crossing - ray.origin);
-    let reach = clamp(offset / select(slope, 1e-6, abs(slope) < 1e-6), 0.0, 1e6);
-    return Seen(crossing + reach * behind.direction, normal, shading_normal, f32(plane.w) - 1.0, edge);
+    let reach = offset / select(slope, 1e-6, abs(slope) < 1e-6);
+    var position = crossing + min(reach, 1e6) * behind.direction;
+    // Before the rest plane, under a crest, there is nothing that bends the ray.
+    if reach < 0.0 {
+        let straight = dot(normal, ray.direction);
+        let before = bitcast<f32>(plane.x) / select(straight, 1e-6, abs(straight) < 1e-6);
+        position = ray.origin + clamp(before, 0.0, way) * ray.direction;
+    }
+    return Seen(position, normal, shading_normal, f32(plane.w) - 1.0, edge);
 }

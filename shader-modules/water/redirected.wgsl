@@ -24,8 +24,12 @@ fn redirected(pixel: vec2f) -> Redirected {
         return Redirected(ray, no_hit(ray, pixel), false, depth == 0.0);
     }
     let behind = deflect(Ray(met.point, ray.direction), met.normal);
-    let texel = pixel + 0.5 * (view_target.seen_size - view_target.size);
-    return Redirected(behind.ray, intersect(behind.ray, texel), true, true);
+    return Redirected(behind.ray, intersect(behind.ray, seen_texel(pixel)), true, true);
+}
+
+// Where a pixel lies in the seen buffers, which have a guard band around the picture; texels.
+fn seen_texel(pixel: vec2f) -> vec2f {
+    return pixel + 0.5 * (view_target.seen_size - view_target.size);
 }
 
 // Its light, linear RGB: the sky's where neither water nor anything before it is seen.
