@@ -9,6 +9,7 @@
 //! // requires: reproject = screen/plain
 //! // number taps: 1 to 8, step 1, taps
 //! // domain: …
+//! // identity when not waves: within 0.1 px
 //! ```
 
 use std::ops::Range;
@@ -43,6 +44,8 @@ pub struct Header {
     pub workgroup: Vec<u32>,
     /// For a slot: fillings that facts choose where a pipeline does not.
     pub when: Vec<When>,
+    /// When it changes nothing: a pass whose fillings all say so shows what it was given to look at.
+    pub identity: Option<Identity>,
 }
 
 /// A name and where it stands.
@@ -94,6 +97,15 @@ pub struct When {
     pub facts: Vec<Name>,
     /// The module that fills the slot then.
     pub module: Name,
+}
+
+/// `identity when RULE: exactly` or `identity when RULE: within NUMBER px`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Identity {
+    /// The rule on facts.
+    pub rule: Name,
+    /// By how much of a pixel, at most, what is shown moves all the same.
+    pub within_px: f64,
 }
 
 /// The text of a comment line, without its marks, and where it begins in the file.
@@ -201,6 +213,15 @@ impl Header {
                     module: first()?,
                 });
             }
+            ("identity", false) => {
+                let Some(rule) = rest.strip_prefix("when ") else {
+                    return Ok(());
+                };
+                self.identity = Some(Identity {
+                    rule: part(file, rule, rest_start + "when ".len()),
+                    within_px: within_px(&first()?)?,
+                });
+            }
             // Anything else with a colon is prose.
             _ => {}
         }
@@ -279,6 +300,24 @@ fn one(file: &Arc<SourceFile>, text: &str, start: usize) -> Result<Name, Diagnos
     Ok(name)
 }
 
+/// `exactly` or `within NUMBER px`, the number from 0 to 1.
+fn within_px(said: &Name) -> Result<f64, Diagnostic> {
+    if said.text == "exactly" {
+        return Ok(0.0);
+    }
+    let number = said
+        .text
+        .strip_prefix("within ")
+        .and_then(|rest| rest.trim().strip_suffix("px"))
+        .and_then(|number| number.trim().parse::<f64>().ok())
+        .filter(|px| (0.0..=1.0).contains(px));
+    number.ok_or_else(|| {
+        Diagnostic::error("an identity holds exactly, or within 0 to 1 pixels")
+            .at(&said.place, "not such a bound")
+            .with_help("write `identity when RULE: within 0.1 px`")
+    })
+}
+
 /// `LEAST to MOST [UNIT][, step STEP]`
 fn number(name: Name, said: &Name) -> Result<Number, Diagnostic> {
     let wrong = |what: &str| {
@@ -321,6 +360,38 @@ fn number(name: Name, said: &Name) -> Result<Number, Diagnostic> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_identity_has_a_rule_and_a_bound() {
+        let read = |said: &str| {
+            let file = SourceFile::new("a.wgsl", format!("// A.\n//\n// identity {said}\n"));
+            let mut report = Report::default();
+            let (header, _) = Header::read(&file, &mut report);
+            let identity = header.identity.map(|i| (i.rule.text, i.within_px));
+            (identity, report.to_string())
+        };
+        let rule = |text: &str, px| Some((text.to_owned(), px));
+        assert_eq!(
+            read("when not waves: within 0.25 px").0,
+            rule("not waves", 0.25)
+        );
+        assert_eq!(
+            read("when not waves or x: exactly").0,
+            rule("not waves or x", 0.0)
+        );
+        for wrong in [
+            "nearly",
+            "within px",
+            "within 2 px",
+            "within NaN px",
+            "within -1 px",
+        ] {
+            let (identity, said) = read(&format!("when not waves: {wrong}"));
+            assert!(identity.is_none() && said.contains("a.wgsl:3:"), "{said}");
+        }
+        // Words about identities are words.
+        assert_eq!(read("of the cut: none"), (None, String::new()));
+    }
 
     #[test]
     fn the_purpose_is_the_first_sentence() {

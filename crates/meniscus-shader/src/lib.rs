@@ -29,6 +29,6 @@ pub use alone::Alone;
 pub use compose::{Composer, Output, Recipe, Stage};
 pub use export::{Exported, Language};
 pub use filling::Filling;
-pub use header::{Header, Name, Number, Requirement, SlotUse, When};
+pub use header::{Header, Identity, Name, Number, Requirement, SlotUse, When};
 pub use library::{Library, Module, Role};
 pub use shader::{Attribute, Binding, BindingKind, Entry, Sample, Shader};
