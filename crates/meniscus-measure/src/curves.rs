@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::MeasureError;
-use crate::time_error::{Axis, escaped, plain};
+use crate::axes::{Area, Axis, escaped};
 
 /// One line of a figure: a name, and a value at each place along the axis where there is one.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,12 +14,14 @@ pub struct Curve {
     pub values: Vec<Option<f64>>,
 }
 
-const WIDTH: f64 = 760.0;
-const HEIGHT: f64 = 420.0;
-const LEFT: f64 = 84.0;
-const RIGHT: f64 = 540.0;
-const TOP: f64 = 48.0;
-const BOTTOM: f64 = 356.0;
+const AREA: Area = Area {
+    width: 760.0,
+    height: 420.0,
+    left: 84.0,
+    right: 540.0,
+    top: 48.0,
+    bottom: 356.0,
+};
 const LINE: f64 = 14.0;
 /// Apart in hue and in lightness (Okabe and Ito 2008), for those who tell few hues apart.
 const COLOURS: [&str; 7] = [
@@ -49,45 +51,13 @@ pub fn curves_figure(
     if values().next().is_none() || places.is_empty() {
         return Err(MeasureError::value(title, "there is nothing to draw"));
     }
-    let y = Axis::holding(values(), BOTTOM, TOP);
-    let step = (RIGHT - LEFT) / places.len() as f64;
-    let x = |place: usize| LEFT + (place as f64 + 0.5) * step;
-    let mut svg = format!(
-        r##"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" font-family="sans-serif" font-size="12" fill="#222">
-<title>{0}</title><rect width="{WIDTH}" height="{HEIGHT}" fill="#fff"/>
-<text x="{LEFT}" y="24" font-size="15" font-weight="bold">{0}</text>
-<rect x="{LEFT}" y="{TOP}" width="{1}" height="{2}" fill="none" stroke="#222"/>
-<text x="{3}" y="{4}" text-anchor="middle">{5}</text>
-<text transform="translate(20 {6}) rotate(-90)" text-anchor="middle">{7}</text>
-"##,
-        escaped(title),
-        RIGHT - LEFT,
-        BOTTOM - TOP,
-        (LEFT + RIGHT) / 2.0,
-        BOTTOM + 40.0,
-        escaped(along),
-        (TOP + BOTTOM) / 2.0,
-        escaped(upwards),
-    );
-    // Writing to a String cannot fail.
-    for tick in y.ticks() {
-        let at = y.at(tick);
-        let _ = writeln!(
-            svg,
-            r##"<path stroke="#ddd" d="M{LEFT} {at:.1}H{RIGHT}"/><text x="{}" y="{:.1}" text-anchor="end">{}</text>"##,
-            LEFT - 8.0,
-            at + 4.0,
-            plain(tick)
-        );
-    }
+    let y = Axis::holding(values(), AREA.bottom, AREA.top);
+    let step = (AREA.right - AREA.left) / places.len() as f64;
+    let x = |place: usize| AREA.left + (place as f64 + 0.5) * step;
+    let mut svg = AREA.begin(title, [along, upwards]);
+    AREA.write_level(&mut svg, &y);
     for (index, place) in places.iter().enumerate() {
-        let _ = writeln!(
-            svg,
-            r#"<text x="{:.1}" y="{}" text-anchor="middle">{}</text>"#,
-            x(index),
-            BOTTOM + 18.0,
-            escaped(place)
-        );
+        AREA.write_under(&mut svg, x(index), place);
     }
     for (curve, at) in curves.iter().zip(label_heights(curves, &y)) {
         let index = curves
@@ -104,6 +74,7 @@ pub fn curves_figure(
             .iter()
             .map(|[x, y]| format!("{x:.1},{y:.1}"))
             .collect();
+        // Writing to a String cannot fail.
         let _ = write!(
             svg,
             r#"<g stroke="{colour}" fill="{colour}"><title>{label}</title><polyline fill="none" stroke-width="2" points="{}"/>"#,
@@ -116,8 +87,8 @@ pub fn curves_figure(
             let _ = write!(
                 svg,
                 r#"<path fill="none" stroke-width="0.7" d="M{x:.1} {y:.1}L{} {at:.1}"/><text x="{}" y="{:.1}" stroke="none">{label}</text>"#,
-                RIGHT + 4.0,
-                RIGHT + 8.0,
+                AREA.right + 4.0,
+                AREA.right + 8.0,
                 at + 4.0
             );
         }
@@ -131,12 +102,12 @@ pub fn curves_figure(
 fn label_heights(curves: &[Curve], y: &Axis) -> Vec<f64> {
     let end = |curve: &Curve| {
         let last = curve.values.iter().flatten().last();
-        last.map_or(BOTTOM, |value| y.at(*value))
+        last.map_or(AREA.bottom, |value| y.at(*value))
     };
     let mut order: Vec<usize> = (0..curves.len()).collect();
     order.sort_by(|a, b| end(&curves[*a]).total_cmp(&end(&curves[*b])));
     let mut heights = vec![0.0; curves.len()];
-    let mut free = TOP;
+    let mut free = AREA.top;
     for index in order {
         heights[index] = end(&curves[index]).max(free);
         free = heights[index] + LINE;
@@ -174,7 +145,7 @@ mod tests {
             curve("b", &[Some(1.0)]),
             curve("c", &[Some(1.01)]),
         ];
-        let y = Axis::holding([1.0, 1.01].into_iter(), BOTTOM, TOP);
+        let y = Axis::holding([1.0, 1.01].into_iter(), AREA.bottom, AREA.top);
         let mut heights = label_heights(&curves, &y);
         heights.sort_by(f64::total_cmp);
         assert!(

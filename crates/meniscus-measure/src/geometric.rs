@@ -6,7 +6,10 @@
 //!
 //! Only pixels whose true ray meets water first count, the same ones for every pipeline.
 
-use crate::{ColourError, Errors, MeasureError, Summary, colour_error, results::BorderErrors};
+use crate::{
+    BorderErrors, ColourError, Errors, FlipOptions, Image, MeasureError, Summary, colour_error,
+    flip,
+};
 
 /// The object that a pixel without a world point has.
 const NO_OBJECT: i32 = -1;
@@ -142,17 +145,13 @@ impl Comparison<'_> {
         let in_border: Vec<bool> = (0..judged.len())
             .map(|i| judged[i] && self.is_border(i))
             .collect();
-        let errors = match self.figures(&verdicts, &judged)? {
+        let flip = self.flip(&judged)?;
+        let errors = match self.figures(&verdicts, &flip, &judged)? {
             None => None,
-            Some(whole) => Some(Errors {
-                position_px: whole.position_px,
-                position_m: whole.position_m,
-                within_half_px: whole.within_half_px,
-                wrong_object: whole.wrong_object,
-                rmse: whole.rmse,
-                psnr: whole.psnr,
-                border: self.figures(&verdicts, &in_border)?,
-            }),
+            Some(whole) => {
+                let border = self.figures(&verdicts, &flip, &in_border)?;
+                Some(Errors::new(whole, border))
+            }
         };
         let count =
             |which: &dyn Fn(usize) -> bool| (0..judged.len()).filter(|i| which(*i)).count() as u64;
@@ -240,9 +239,28 @@ impl Comparison<'_> {
         }
     }
 
+    /// FLIP of each pixel; none without a pixel to judge. What is not judged is taken to be right, so
+    /// that it does not reach into its neighbourhood.
+    fn flip(&self, judged: &[bool]) -> Result<Vec<f32>, MeasureError> {
+        if !judged.contains(&true) {
+            return Ok(Vec::new());
+        }
+        let pixels = self.shown.colours.iter().zip(self.truth.colours);
+        let shown = pixels
+            .zip(judged)
+            .map(|((shown, truth), judged)| match judged {
+                true => *shown,
+                false => *truth,
+            });
+        let shown = Image::new(self.size, shown.collect())?;
+        let truth = Image::new(self.size, self.truth.colours.to_vec())?;
+        Ok(flip(&truth, &shown, &FlipOptions::default())?.map)
+    }
+
     fn figures(
         &self,
         verdicts: &[Verdict],
+        flip: &[f32],
         inside: &[bool],
     ) -> Result<Option<BorderErrors>, MeasureError> {
         let mut px = Vec::new();
@@ -266,6 +284,8 @@ impl Comparison<'_> {
         else {
             return Ok(None);
         };
+        let flip = flip.iter().zip(inside).filter(|(_, inside)| **inside);
+        let flip = flip.map(|(error, _)| f64::from(*error));
         let share = |count: usize| count as f64 / px.len() as f64;
         Ok(Some(BorderErrors {
             position_px,
@@ -274,6 +294,7 @@ impl Comparison<'_> {
             wrong_object: share(wrong),
             rmse,
             psnr,
+            flip: Some(flip.sum::<f64>() / px.len() as f64),
         }))
     }
 }

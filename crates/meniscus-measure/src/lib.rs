@@ -6,9 +6,12 @@
 //!
 //! Nothing is dropped: a NaN counts as the largest error there is, never as no error.
 
+mod axes;
 mod colour;
+mod contest;
 mod curves;
 mod error;
+mod errors;
 mod files;
 mod geometric;
 pub mod heat;
@@ -26,8 +29,10 @@ mod trend;
 pub use colour::{
     ColourError, MAX_PSNR_DB, colour_error, linear_to_srgb, srgb_to_linear, to_srgb8,
 };
+pub use contest::{Claim, Contest, contests, dominated_by};
 pub use curves::{Curve, curves_figure};
 pub use error::MeasureError;
+pub use errors::{BorderErrors, Errors};
 pub use files::{png_bytes, write_atomically, write_png};
 pub use geometric::{Comparison, Judgement, Picture, Seen, Verdict};
 pub use image_metrics::{
@@ -35,11 +40,9 @@ pub use image_metrics::{
     flip_hdr, metric, psnr, rmse, ssim, yee,
 };
 pub use npy::{NpyData, npy_bytes};
-pub use results::{
-    BorderErrors, Counters, Errors, FrameMs, PassMs, Relative, Results, Row, Timer, TruthGeometry,
-};
+pub use results::{Counters, FrameMs, PassMs, Relative, Results, Row, Timer, TruthGeometry};
 pub use statistics::{Summary, median, quantile};
 pub use sweep::{Sweep, SweepPoint};
-pub use table::Table;
+pub use table::{Table, aligned};
 pub use time_error::{FigurePoint, pareto_front, time_error_figure};
 pub use timing::{Timing, TimingWarning, relative_time, timing_warnings};

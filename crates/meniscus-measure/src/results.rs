@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::{Map, Value};
 
-use crate::{MeasureError, Summary};
+use crate::{Errors, MeasureError};
 
 /// What one ablation found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -64,6 +64,7 @@ pub struct Row {
     /// What one frame draws.
     pub counters: Counters,
     /// The errors against the truth; `null` where no water is seen, so that there is none to judge.
+    /// Where several moments ran, the mean of each figure over them ([`Errors::mean`]).
     pub error: Option<Errors>,
     /// Keys that this version does not know.
     #[serde(flatten)]
@@ -145,50 +146,6 @@ pub struct Counters {
     pub more: Map<String, Value>,
 }
 
-/// How far a row is from the truth over the water pixels that have a physical answer.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Errors {
-    /// Distance on the screen in pixels, at most the frame's diagonal.
-    pub position_px: Summary,
-    /// Distance in the world in metres, at most the scene's diagonal.
-    pub position_m: Summary,
-    /// Share of the pixels with a position error of at most half a pixel, `0 ..= 1`.
-    #[serde(serialize_with = "finite")]
-    pub within_half_px: f64,
-    /// Share of the pixels that show another object than the true one, `0 ..= 1`.
-    #[serde(serialize_with = "finite")]
-    pub wrong_object: f64,
-    /// Root mean square error of the linear colours clamped to `[0, 1]`.
-    #[serde(serialize_with = "finite")]
-    pub rmse: f64,
-    /// Peak signal-to-noise ratio of the same, in dB; [`crate::MAX_PSNR_DB`] for equal pictures.
-    #[serde(serialize_with = "finite")]
-    pub psnr: f64,
-    /// The same figures over the border band; `null` where it holds no pixel to judge.
-    pub border: Option<BorderErrors>,
-}
-
-/// The figures of [`Errors`] over a part of the frame.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct BorderErrors {
-    /// See [`Errors::position_px`].
-    pub position_px: Summary,
-    /// See [`Errors::position_m`].
-    pub position_m: Summary,
-    /// See [`Errors::within_half_px`].
-    #[serde(serialize_with = "finite")]
-    pub within_half_px: f64,
-    /// See [`Errors::wrong_object`].
-    #[serde(serialize_with = "finite")]
-    pub wrong_object: f64,
-    /// See [`Errors::rmse`].
-    #[serde(serialize_with = "finite")]
-    pub rmse: f64,
-    /// See [`Errors::psnr`].
-    #[serde(serialize_with = "finite")]
-    pub psnr: f64,
-}
-
 impl Results {
     /// The results as JSON, indented, ending in a line feed.
     ///
@@ -227,6 +184,17 @@ pub(crate) fn finite<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok
         Err(serde::ser::Error::custom(format!(
             "a number is {number}, where only finite ones can be written"
         )))
+    }
+}
+
+/// The same of a number that may be missing.
+pub(crate) fn finite_or_none<S: Serializer>(
+    number: &Option<f64>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    match number {
+        Some(number) => finite(number, serializer),
+        None => serializer.serialize_none(),
     }
 }
 

@@ -6,6 +6,7 @@
 use std::fmt::Write as _;
 
 use crate::MeasureError;
+use crate::axes::{Area, Axis, escaped, plain};
 
 /// One pipeline on the plane of time and error.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,61 +45,18 @@ pub fn pareto_front(points: &[FigurePoint]) -> Vec<usize> {
     front
 }
 
-const WIDTH: f64 = 760.0;
-const HEIGHT: f64 = 500.0;
-const LEFT: f64 = 84.0;
-const RIGHT: f64 = 736.0;
-const TOP: f64 = 48.0;
-const BOTTOM: f64 = 436.0;
+const AREA: Area = Area {
+    width: 760.0,
+    height: 500.0,
+    left: 84.0,
+    right: 736.0,
+    top: 48.0,
+    bottom: 436.0,
+};
+/// What stands under the axis to the right.
+const TIME_AXIS: &str = "time per frame in ms, with its 10th to 90th percentile";
 const LETTER: f64 = 6.4;
 const LINE: f64 = 14.0;
-
-/// A logarithmic axis: a range of numbers onto a range of the picture.
-pub(crate) struct Axis {
-    low: f64,
-    high: f64,
-    from: f64,
-    to: f64,
-}
-
-impl Axis {
-    /// An axis that holds all `values` (positive) with room at both ends.
-    pub fn holding(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
-        let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(l, h), v| (l.min(v), h.max(v)));
-        // At least a factor of four, so that equal values do not blow up the axis.
-        let middle = (low.ln() + high.ln()) / 2.0;
-        let half = ((high / low).ln() / 2.0 * 1.12).max(4f64.ln() / 2.0);
-        Self {
-            low: (middle - half).exp(),
-            high: (middle + half).exp(),
-            from,
-            to,
-        }
-    }
-
-    pub fn at(&self, value: f64) -> f64 {
-        let share = (value / self.low).ln() / (self.high / self.low).ln();
-        self.from + share * (self.to - self.from)
-    }
-
-    /// Powers of ten, and 2 and 5 times them where the axis is short.
-    pub fn ticks(&self) -> Vec<f64> {
-        let decades = (self.high / self.low).log10();
-        let steps: &[f64] = if decades > 4.0 {
-            &[1.0]
-        } else {
-            &[1.0, 2.0, 5.0]
-        };
-        let first = self.low.log10().floor() as i32;
-        let last = self.high.log10().ceil() as i32;
-        let stride = ((last - first) / 12).max(1) as usize;
-        (first..=last)
-            .step_by(stride)
-            .flat_map(|e| steps.iter().map(move |s| s * 10f64.powi(e)))
-            .filter(|v| (self.low..=self.high).contains(v))
-            .collect()
-    }
-}
 
 /// Draws points on logarithmic axes: time to the right, error upwards, so that better is lower left.
 ///
@@ -128,17 +86,18 @@ pub fn time_error_figure(
     let times = points
         .iter()
         .flat_map(|p| [p.ms, p.spread_ms[0], p.spread_ms[1]]);
-    let x = Axis::holding(times, LEFT, RIGHT);
-    let y = Axis::holding(points.iter().map(|p| drawn(p.error)), BOTTOM, TOP);
+    let x = Axis::holding(times, AREA.left, AREA.right);
+    let y = Axis::holding(points.iter().map(|p| drawn(p.error)), AREA.bottom, AREA.top);
     let front = pareto_front(points);
 
-    let mut svg = String::new();
-    // Writing to a String cannot fail.
-    let _ = write_frame(&mut svg, title, error_axis, &x, &y);
+    let mut svg = AREA.begin(title, [TIME_AXIS, error_axis]);
+    AREA.write_upright(&mut svg, &x);
+    AREA.write_level(&mut svg, &y);
     let places: Vec<[f64; 2]> = points
         .iter()
         .map(|p| [x.at(p.ms), y.at(drawn(p.error))])
         .collect();
+    // Writing to a String cannot fail.
     let _ = write_front(&mut svg, &front, &places);
     let labels = place_labels(points, &places);
     for (i, point) in points.iter().enumerate() {
@@ -172,63 +131,6 @@ fn check(points: &[FigurePoint]) -> Result<(), MeasureError> {
     Ok(())
 }
 
-fn write_frame(
-    svg: &mut String,
-    title: &str,
-    error_axis: &str,
-    x: &Axis,
-    y: &Axis,
-) -> std::fmt::Result {
-    writeln!(
-        svg,
-        r##"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" font-family="sans-serif" font-size="12" fill="#222">
-<title>{0}</title>
-<rect width="{WIDTH}" height="{HEIGHT}" fill="#fff"/>
-<text x="{LEFT}" y="24" font-size="15" font-weight="bold">{0}</text>
-<g stroke="#ddd">"##,
-        escaped(title)
-    )?;
-    for tick in x.ticks() {
-        writeln!(svg, r#"<path d="M{0:.1} {TOP}V{BOTTOM}"/>"#, x.at(tick))?;
-    }
-    for tick in y.ticks() {
-        writeln!(svg, r#"<path d="M{LEFT} {0:.1}H{RIGHT}"/>"#, y.at(tick))?;
-    }
-    writeln!(svg, r#"</g><g text-anchor="middle">"#)?;
-    for tick in x.ticks() {
-        writeln!(
-            svg,
-            r#"<text x="{:.1}" y="{}">{tick}</text>"#,
-            x.at(tick),
-            BOTTOM + 18.0
-        )?;
-    }
-    writeln!(
-        svg,
-        r#"<text x="{}" y="{}">time per frame in ms, with its 10th to 90th percentile</text></g><g text-anchor="end">"#,
-        (LEFT + RIGHT) / 2.0,
-        BOTTOM + 40.0
-    )?;
-    for tick in y.ticks() {
-        writeln!(
-            svg,
-            r#"<text x="{}" y="{:.1}">{}</text>"#,
-            LEFT - 8.0,
-            y.at(tick) + 4.0,
-            plain(tick)
-        )?;
-    }
-    let middle = (TOP + BOTTOM) / 2.0;
-    writeln!(
-        svg,
-        r##"</g><text transform="translate(20 {middle}) rotate(-90)" text-anchor="middle">{}</text>
-<rect x="{LEFT}" y="{TOP}" width="{}" height="{}" fill="none" stroke="#222"/>"##,
-        escaped(error_axis),
-        RIGHT - LEFT,
-        BOTTOM - TOP
-    )
-}
-
 fn write_front(svg: &mut String, front: &[usize], places: &[[f64; 2]]) -> std::fmt::Result {
     let Some(([x, y], rest)) = front.split_first().map(|(i, rest)| (places[*i], rest)) else {
         return Ok(());
@@ -236,13 +138,18 @@ fn write_front(svg: &mut String, front: &[usize], places: &[[f64; 2]]) -> std::f
     // Nothing is known between two points, so the front goes by steps.
     write!(
         svg,
-        r##"<path fill="none" stroke="#0a6e8a" stroke-dasharray="5 3" d="M{x:.1} {TOP}V{y:.1}"##
+        r##"<path fill="none" stroke="#0a6e8a" stroke-dasharray="5 3" d="M{x:.1} {}V{y:.1}"##,
+        AREA.top
     )?;
     for i in rest {
         let [x, y] = places[*i];
         write!(svg, "H{x:.1}V{y:.1}")?;
     }
-    writeln!(svg, r##"H{RIGHT}"><title>Pareto front</title></path>"##)
+    writeln!(
+        svg,
+        r##"H{}"><title>Pareto front</title></path>"##,
+        AREA.right
+    )
 }
 
 fn write_point(
@@ -283,9 +190,9 @@ fn shown_label(point: &FigurePoint) -> String {
 
 /// Lower left corners of the labels: above or below each point, the first place that is free.
 fn place_labels(points: &[FigurePoint], places: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    type Area = [f64; 4];
-    let overlap = |a: &Area, b: &Area| a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
-    let mut taken: Vec<Area> = places
+    type Place = [f64; 4];
+    let overlap = |a: &Place, b: &Place| a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
+    let mut taken: Vec<Place> = places
         .iter()
         .map(|[x, y]| [x - 6.0, y - 6.0, x + 6.0, y + 6.0])
         .collect();
@@ -301,7 +208,9 @@ fn place_labels(points: &[FigurePoint], places: &[[f64; 2]]) -> Vec<[f64; 2]> {
             .flatten()
             .collect();
         let area = |[x, y]: &[f64; 2]| [*x, y - 11.0, x + wide, y + 3.0];
-        let inside = |a: &Area| a[0] >= LEFT && a[2] <= RIGHT && a[1] >= TOP && a[3] <= BOTTOM;
+        let inside = |b: &Place| {
+            b[0] >= AREA.left && b[2] <= AREA.right && b[1] >= AREA.top && b[3] <= AREA.bottom
+        };
         let free = |c: &&[f64; 2]| {
             let a = area(c);
             inside(&a) && !taken.iter().any(|t| overlap(t, &a))
@@ -315,35 +224,6 @@ fn place_labels(points: &[FigurePoint], places: &[[f64; 2]]) -> Vec<[f64; 2]> {
         found.push(place);
     }
     found
-}
-
-/// At most four significant digits, without trailing noughts.
-pub(crate) fn plain(x: f64) -> String {
-    if x == 0.0 {
-        return "0".into();
-    }
-    let rounded: f64 = format!("{x:.3e}").parse().unwrap_or(x);
-    if (1e-4..1e6).contains(&rounded.abs()) {
-        rounded.to_string()
-    } else {
-        format!("{rounded:e}")
-    }
-}
-
-pub(crate) fn escaped(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => safe.push_str("&amp;"),
-            '<' => safe.push_str("&lt;"),
-            '>' => safe.push_str("&gt;"),
-            '"' => safe.push_str("&quot;"),
-            // XML has no way to write most control characters.
-            c if c.is_control() => safe.push(' '),
-            c => safe.push(c),
-        }
-    }
-    safe
 }
 
 #[cfg(test)]

@@ -46,7 +46,7 @@ fn no_error_at_all_is_drawn_inside_below_all_others() {
     let points = [point("exact", 9.0, 0.0), point("rough", 1.0, 0.5)];
     let svg = time_error_figure("t", "e", &points).unwrap();
     let y = numbers(&svg, "circle", "cy");
-    assert!(y[0] > y[1] && y[0] < BOTTOM);
+    assert!(y[0] > y[1] && y[0] < AREA.bottom);
     assert!(time_error_figure("t", "e", &[point("exact", 9.0, 0.0)]).is_ok());
 }
 
@@ -118,8 +118,8 @@ proptest! {
             .map(|(ms, error)| point("p", 10f64.powf(*ms), 10f64.powf(*error)))
             .collect();
         let svg = time_error_figure("t", "e", &points).unwrap();
-        prop_assert!(numbers(&svg, "circle", "cx").iter().all(|x| (LEFT..=RIGHT).contains(x)));
-        prop_assert!(numbers(&svg, "circle", "cy").iter().all(|y| (TOP..=BOTTOM).contains(y)));
+        prop_assert!(numbers(&svg, "circle", "cx").iter().all(|x| (AREA.left..=AREA.right).contains(x)));
+        prop_assert!(numbers(&svg, "circle", "cy").iter().all(|y| (AREA.top..=AREA.bottom).contains(y)));
         prop_assert!(!svg.contains("NaN") && !svg.contains("inf"));
     }
 }
