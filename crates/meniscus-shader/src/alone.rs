@@ -33,6 +33,16 @@ impl Alone {
         found.map(|(_, name)| name.as_str())
     }
 
+    /// The module with entry points of a caller's own, in WGSL. What they do not use is pruned;
+    /// resources are bound in group 0, those of the entry points as these say, the module's after
+    /// them in the order of their names.
+    ///
+    /// # Errors
+    /// naga's message, where the entry points are wrong.
+    pub fn with_entries(&self, entries: &str) -> Result<naga::Module, Report> {
+        ir::with_entries(&format!("{}\n{entries}", self.source.text))
+    }
+
     /// Where a range of the source that naga parsed was written.
     pub fn place(&self, range: Range<usize>) -> Option<Place> {
         self.source.origin(range)

@@ -135,7 +135,7 @@ fn visible<'l>(library: &'l Library, module: &'l Module) -> BTreeSet<&'l str> {
         .outline
         .items
         .iter()
-        .flat_map(|item| item.locals.iter().map(String::as_str));
+        .flat_map(|item| module.outline.locals(&module.file.text, item));
     let slots = module
         .header
         .slots

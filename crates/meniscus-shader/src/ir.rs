@@ -130,10 +130,24 @@ fn finish(
 ) -> Result<(naga::Module, ModuleInfo, Stages), Report> {
     let mut module = parse(written, library)?;
     naga::compact::compact(&mut module, naga::compact::KeepUnused::No);
+    bind(&mut module);
+    let info = validate(&module, ValidationFlags::all(), written, library)?;
+    let stages = stages(&module, &info);
+    Ok((module, info, stages))
+}
+
+/// Numbers the resources of group 0 that have no binding, in the order of their names, after those
+/// that have one.
+fn bind(module: &mut naga::Module) {
+    let given = module.global_variables.iter();
+    let first = given
+        .filter_map(|(_, variable)| Some(variable.binding?.binding + 1))
+        .max()
+        .unwrap_or(0);
     let mut resources: Vec<(&String, naga::Handle<naga::GlobalVariable>)> = module
         .global_variables
         .iter()
-        .filter(|(_, variable)| is_resource(variable))
+        .filter(|(_, variable)| is_resource(variable) && variable.binding.is_none())
         .filter_map(|(handle, variable)| Some((variable.name.as_ref()?, handle)))
         .collect();
     resources.sort_unstable();
@@ -141,12 +155,28 @@ fn finish(
     for (number, handle) in handles.into_iter().enumerate() {
         module.global_variables.get_mut(handle).binding = Some(naga::ResourceBinding {
             group: 0,
-            binding: number as u32,
+            binding: first + number as u32,
         });
     }
-    let info = validate(&module, ValidationFlags::all(), written, library)?;
-    let stages = stages(&module, &info);
-    Ok((module, info, stages))
+}
+
+/// Parses a text that is known to be sound and something that was added to it, prunes what its entry
+/// points do not use, numbers its resources and validates.
+///
+/// # Errors
+/// naga's message about what was added.
+pub(crate) fn with_entries(text: &str) -> Result<naga::Module, Report> {
+    run_apart(|| {
+        let wrong = |message: &str| Report::from(Diagnostic::error(message));
+        let mut module =
+            naga::front::wgsl::parse_str(text).map_err(|error| wrong(error.message()))?;
+        naga::compact::compact(&mut module, naga::compact::KeepUnused::No);
+        bind(&mut module);
+        Validator::new(ValidationFlags::all(), Capabilities::empty())
+            .validate(&module)
+            .map_err(|error| wrong(&chain_of(error.as_inner())))?;
+        Ok(module)
+    })
 }
 
 fn is_resource(variable: &naga::GlobalVariable) -> bool {

@@ -22,16 +22,30 @@ pub(crate) enum Kind {
 
 /// Splits a text into tokens. Never fails: what is no WGSL becomes marks, for naga to complain of.
 pub(crate) fn tokens(text: &str) -> Vec<Token> {
-    let mut found = Vec::new();
+    // Code has a token in about four bytes, a module's header none in hundreds.
+    let mut found = Vec::with_capacity(text.len() / 6);
+    let bytes = text.as_bytes();
     let mut at = 0;
-    while let Some(c) = text[at..].chars().next() {
+    while let Some(&byte) = bytes.get(at) {
+        if matches!(byte, b' ' | b'\n') {
+            at += 1;
+            continue;
+        }
+        if byte.is_ascii_alphabetic() {
+            let length = word(&text[at..]);
+            found.push(Token {
+                kind: Kind::Word,
+                range: at..at + length,
+            });
+            at += length;
+            continue;
+        }
         let rest = &text[at..];
-        let (kind, length) = if c == ' ' {
-            (None, rest.bytes().take_while(|&b| b == b' ').count())
-        } else if c.is_whitespace() {
+        let Some(c) = rest.chars().next() else { break };
+        let (kind, length) = if c.is_whitespace() {
             (None, c.len_utf8())
         } else if rest.starts_with("//") {
-            (None, rest.find(is_line_break).unwrap_or(rest.len()))
+            (None, line(rest))
         } else if rest.starts_with("/*") {
             (None, block_comment(rest))
         } else if c == '_' || unicode_start(c) {
@@ -54,17 +68,47 @@ pub(crate) fn tokens(text: &str) -> Vec<Token> {
     found
 }
 
+/// For each byte, whether it is an ASCII character of a word.
+const IN_WORD: [bool; 256] = {
+    let mut table = [false; 256];
+    let mut byte = 0_u8;
+    while byte < 128 {
+        table[byte as usize] = byte == b'_' || byte.is_ascii_alphanumeric();
+        byte += 1;
+    }
+    table
+};
+
 /// Length of the word that a text begins with.
 fn word(text: &str) -> usize {
-    let ascii = text
-        .bytes()
-        .take_while(|&b| b == b'_' || b.is_ascii_alphanumeric())
-        .count();
-    if text.as_bytes().get(ascii).is_none_or(u8::is_ascii) {
+    let bytes = text.as_bytes();
+    let others = |&byte: &u8| !IN_WORD[byte as usize];
+    let ascii = bytes.iter().position(others).unwrap_or(bytes.len());
+    if bytes.get(ascii).is_none_or(u8::is_ascii) {
         return ascii;
     }
     text.find(|c| !(c == '_' || unicode_continue(c)))
         .unwrap_or(text.len())
+}
+
+/// Length of a line, without its break.
+fn line(text: &str) -> usize {
+    let bytes = text.as_bytes();
+    let mut at = 0;
+    loop {
+        // All line breaks begin with one of these bytes; most of the time none does.
+        let candidate = bytes[at..]
+            .iter()
+            .position(|b| matches!(b, b'\n' | 0x0b | 0x0c | b'\r' | 0xc2 | 0xe2));
+        let Some(offset) = candidate else {
+            return bytes.len();
+        };
+        at += offset;
+        if text[at..].starts_with(is_line_break) {
+            return at;
+        }
+        at += text[at..].chars().next().map_or(1, char::len_utf8);
+    }
 }
 
 fn is_line_break(c: char) -> bool {

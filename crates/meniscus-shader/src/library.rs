@@ -13,6 +13,8 @@ use crate::outline::{Item, ItemKind, Outline};
 
 /// The folder of slot files.
 const SLOTS: &str = "slots/";
+/// How many modules are read in about the time in which a thread is started.
+const WORTH_A_THREAD: usize = 16;
 
 /// One WGSL file.
 #[derive(Debug)]
@@ -248,6 +250,16 @@ fn impurity(word: &str, called: bool) -> Option<(&'static str, &'static str)> {
     }
 }
 
+/// Reads modules, and what is wrong with them, in the order of the files.
+fn read_modules(files: &[(&&str, &Arc<SourceFile>)]) -> (Vec<(String, Module)>, Report) {
+    let mut report = Report::default();
+    let read = |(path, file): &(&&str, &Arc<SourceFile>)| {
+        ((**path).to_owned(), Module::read(path, file, &mut report))
+    };
+    let modules = files.iter().map(read).collect();
+    (modules, report)
+}
+
 /// All modules, by path.
 #[derive(Debug, Default)]
 pub struct Library {
@@ -262,11 +274,28 @@ impl Library {
         sources: impl IntoIterator<Item = (&'a str, Arc<SourceFile>)>,
     ) -> (Self, Report) {
         let latest: BTreeMap<&str, Arc<SourceFile>> = sources.into_iter().collect();
+        let files: Vec<_> = latest.iter().collect();
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let parts = cores.min(files.len() / WORTH_A_THREAD).max(1);
+        let mut read = files.chunks(files.len().div_ceil(parts).max(1));
+        let first = read.next().unwrap_or_default();
+        let parts: Vec<_> = std::thread::scope(|scope| {
+            let others: Vec<_> = read
+                .map(|files| scope.spawn(move || read_modules(files)))
+                .collect();
+            let first = read_modules(first);
+            let others = others.into_iter().map(|thread| match thread.join() {
+                Ok(read) => read,
+                Err(panic) => std::panic::resume_unwind(panic),
+            });
+            std::iter::once(first).chain(others).collect()
+        });
         let mut report = Report::default();
-        let modules = latest
-            .into_iter()
-            .map(|(path, file)| (path.to_owned(), Module::read(path, &file, &mut report)))
-            .collect();
+        let mut modules = BTreeMap::new();
+        for (part, wrong) in parts {
+            modules.extend(part);
+            report.extend(wrong);
+        }
         let library = Self { modules };
         for module in library.modules.values() {
             library.check_names(module, &mut report);

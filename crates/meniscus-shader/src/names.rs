@@ -6,7 +6,7 @@
 //! WGSL itself declares its name, and when another instance of its module has an item of that name
 //! that is not the same.
 
-use std::collections::{HashMap, HashSet};
+use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 use std::rc::Rc;
 
 use crate::instance::{Instance, Instances};
@@ -33,10 +33,10 @@ pub(crate) fn slot_function(slot: &Module, function: &str, own: &str) -> String 
 pub(crate) fn name_all(instances: &Instances) -> Vec<Names> {
     let mut namer = Namer {
         written: words(instances),
-        made: HashSet::new(),
-        connected: HashMap::new(),
+        made: HashSet::default(),
+        connected: HashMap::default(),
     };
-    let mut copies: HashMap<&str, Vec<usize>> = HashMap::new();
+    let mut copies: HashMap<&str, Vec<usize>> = HashMap::default();
     let mut all: Vec<Names> = Vec::new();
     for (index, instance) in instances.all.iter().enumerate() {
         let others = copies.entry(&instance.module.path).or_default();
@@ -50,8 +50,8 @@ pub(crate) fn name_all(instances: &Instances) -> Vec<Names> {
 /// All words of all modules but the names by which they call slots: no name that is made up may be
 /// one of them, lest a local variable hide it.
 fn words<'i>(instances: &'i Instances) -> HashSet<&'i str> {
-    let mut found = HashSet::new();
-    let mut seen = HashSet::new();
+    let mut found = HashSet::default();
+    let mut seen = HashSet::default();
     for instance in &instances.all {
         if !seen.insert(&instance.module.path) {
             continue;
@@ -107,7 +107,7 @@ impl Namer<'_> {
         all: &[Names],
         others: &[usize],
     ) -> Names {
-        let mut imported = Names::new();
+        let mut imported = Names::default();
         for &needed in &instance.needs {
             imported.extend(all[needed].iter().map(|(k, v)| (k.clone(), v.clone())));
         }
@@ -123,7 +123,7 @@ impl Namer<'_> {
         }
         names.extend(called);
         let items = &instance.module.outline.items;
-        let mut own: HashMap<&str, Rc<str>> = HashMap::new();
+        let mut own: HashMap<&str, Rc<str>> = HashMap::default();
         for item in items {
             if let Some(name) = self.own_name(instance, item, &instances.reads) {
                 own.insert(&item.name, name);

@@ -1,9 +1,17 @@
 //! The module-scope items of a WGSL text: their names, kinds, places and signatures.
 
-use std::collections::{BTreeSet, HashSet};
+mod brackets;
+mod types;
+mod words;
+
 use std::ops::Range;
 
+use brackets::{inside, item_end, skip_attributes};
+use types::{declared_type, fields, function, join};
+use words::{Spellings, longest_chain, words};
+
 use crate::lexer::{Kind, Token, tokens};
+pub(crate) use types::without_aliases;
 
 /// A text and what it declares.
 #[derive(Debug)]
@@ -24,6 +32,8 @@ pub(crate) struct Item {
     pub name_range: Range<usize>,
     /// From its attributes to its closing brace or semicolon.
     pub range: Range<usize>,
+    /// The same in tokens.
+    pub tokens: Range<usize>,
     /// Those of the tokens that are names of items, of locals, or of WGSL's own things: not members,
     /// not attributes.
     pub words: Vec<usize>,
@@ -31,8 +41,6 @@ pub(crate) struct Item {
     pub spellings: Vec<usize>,
     /// Its longest chain, on which a parser recurses, and the token where it is reached.
     pub chain: (usize, usize),
-    /// Names that it declares within: parameters and local variables.
-    pub locals: BTreeSet<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -71,10 +79,11 @@ impl Outline {
             directives: Vec::new(),
             strays: Vec::new(),
         };
+        let mut spellings = Spellings::new(outline.tokens.len());
         let mut start = 0;
         while start < outline.tokens.len() {
             let end = item_end(&outline.tokens, start);
-            outline.add(text, start, end);
+            outline.add(text, start, end, &mut spellings);
             start = end;
         }
         outline
@@ -84,7 +93,24 @@ impl Outline {
         self.items.iter().find(|item| item.name == name)
     }
 
-    fn add(&mut self, text: &str, start: usize, end: usize) {
+    /// Names that an item declares within: parameters and local variables.
+    pub fn locals<'t>(&'t self, text: &'t str, item: &'t Item) -> impl Iterator<Item = &'t str> {
+        let parameters = match &item.kind {
+            ItemKind::Function { parameters, .. } => Some(parameters),
+            _ => None,
+        };
+        let tokens = parameters.map_or(&[][..], |_| &self.tokens[item.tokens.clone()]);
+        let parameters = parameters.into_iter().flatten().map(|p| p.name.as_str());
+        parameters.chain(words::declared(text, tokens))
+    }
+
+    fn add(
+        &mut self,
+        text: &str,
+        start: usize,
+        end: usize,
+        spellings: &mut Spellings,
+    ) {
         let part = &self.tokens[start..end];
         let range = part[0].range.start..part[end - start - 1].range.end;
         let word = |token: &Token| token.kind == Kind::Word;
@@ -138,15 +164,11 @@ impl Outline {
                     }
                     _ => ItemKind::Assertion,
                 };
-                let words = words(text, &self.tokens, start..end, found == "struct");
-                let mut known = HashSet::new();
-                let spellings = words
-                    .iter()
-                    .copied()
-                    .filter(|&index| known.insert(&text[self.tokens[index].range.clone()]))
-                    .collect();
+                let counted = (spellings, self.items.len() + 1);
+                let (words, spellings) =
+                    words(text, &self.tokens, start..end, found == "struct", counted);
                 self.items.push(Item {
-                    locals: locals(text, &self.tokens[start..end], &kind),
+                    tokens: start..end,
                     words,
                     spellings,
                     chain: longest_chain(text, &self.tokens, start..end),
@@ -161,251 +183,6 @@ impl Outline {
             _ => self.strays.push(range),
         }
     }
-}
-
-/// The tokens of an item that are names which may refer to something.
-fn words(text: &str, tokens: &[Token], range: Range<usize>, is_struct: bool) -> Vec<usize> {
-    let mut found = Vec::new();
-    let mut at = range.start;
-    while at < range.end {
-        let kind = |index: usize| {
-            tokens
-                .get(index)
-                .filter(|_| range.contains(&index))
-                .map(|t| t.kind)
-        };
-        if kind(at) == Some(Kind::Mark('@')) {
-            // The arguments of these are words of their own; those of others are expressions.
-            let name = tokens.get(at + 1).map_or("", |t| &text[t.range.clone()]);
-            let own = matches!(
-                name,
-                "builtin" | "interpolate" | "diagnostic" | "early_depth_test" | "blend_src"
-            );
-            at += 2;
-            if own && kind(at) == Some(Kind::Mark('(')) {
-                at += inside(&tokens[at..range.end], '(', ')').len() + 2;
-            }
-            continue;
-        }
-        let member = at > range.start && kind(at - 1) == Some(Kind::Mark('.'));
-        // A member's declaration, but not the type after the colon.
-        let declared = is_struct && at > range.start + 1 && kind(at + 1) == Some(Kind::Mark(':'));
-        if kind(at) == Some(Kind::Word) && !member && !declared {
-            found.push(at);
-        }
-        at += 1;
-    }
-    found
-}
-
-/// The longest chain of operators, accesses, template lists, `else if`s and brackets in an item, and
-/// the token where it is reached.
-fn longest_chain(text: &str, tokens: &[Token], range: Range<usize>) -> (usize, usize) {
-    // How long the chain was when each open bracket was met: a comma goes back to that.
-    let mut open: Vec<usize> = Vec::new();
-    let mut chain = 0;
-    let mut elses = 0;
-    let mut longest = (0, range.start);
-    for index in range {
-        match tokens[index].kind {
-            Kind::Mark(';') => chain = 0,
-            Kind::Mark('{') => {
-                chain = 0;
-                open.push(0);
-            }
-            Kind::Mark('}') => {
-                chain = 0;
-                open.pop();
-            }
-            Kind::Mark('(' | '[') => {
-                chain += 1;
-                open.push(chain);
-            }
-            Kind::Mark(')' | ']') => drop(open.pop()),
-            Kind::Mark(',') => chain = open.last().copied().unwrap_or(0),
-            Kind::Mark(
-                '+' | '-' | '*' | '/' | '%' | '&' | '|' | '^' | '!' | '~' | '<' | '>' | '.',
-            ) => chain += 1,
-            Kind::Word if &text[tokens[index].range.clone()] == "else" => elses += 1,
-            _ => {}
-        }
-        let length = chain + open.len() + elses;
-        if length > longest.0 {
-            longest = (length, index);
-        }
-    }
-    longest
-}
-
-/// Names of parameters, and those after `let`, `var` and `const` within a body.
-fn locals(text: &str, tokens: &[Token], kind: &ItemKind) -> BTreeSet<String> {
-    let ItemKind::Function { parameters, .. } = kind else {
-        return BTreeSet::new();
-    };
-    let mut names: BTreeSet<String> = parameters.iter().map(|p| p.name.clone()).collect();
-    for (index, token) in tokens.iter().enumerate() {
-        if !matches!(&text[token.range.clone()], "let" | "var" | "const") {
-            continue;
-        }
-        let mut next = index + 1;
-        if tokens.get(next).map(|t| t.kind) == Some(Kind::Mark('<')) {
-            next += inside(&tokens[next..], '<', '>').len() + 2;
-        }
-        if let Some(name) = tokens.get(next) {
-            names.insert(text[name.range.clone()].to_owned());
-        }
-    }
-    names
-}
-
-/// The token after the item that begins at `start`: past its semicolon, or past its body.
-fn item_end(tokens: &[Token], start: usize) -> usize {
-    let mut depth = 0i32;
-    for (index, token) in tokens.iter().enumerate().skip(start) {
-        match token.kind {
-            Kind::Mark('(' | '[' | '{') => depth += 1,
-            Kind::Mark(')' | ']') => depth -= 1,
-            Kind::Mark('}') => {
-                depth -= 1;
-                if depth <= 0 {
-                    return index + 1;
-                }
-            }
-            Kind::Mark(';') if depth <= 0 => return index + 1,
-            _ => {}
-        }
-    }
-    tokens.len()
-}
-
-/// Index of the first token that belongs to no attribute.
-fn skip_attributes(tokens: &[Token]) -> usize {
-    let mut at = 0;
-    while tokens.get(at).is_some_and(|t| t.kind == Kind::Mark('@')) {
-        at += 2;
-        if tokens.get(at).is_some_and(|t| t.kind == Kind::Mark('(')) {
-            at += inside(&tokens[at..], '(', ')').len() + 2;
-        }
-    }
-    at.min(tokens.len())
-}
-
-/// The tokens between the first `open` and its `close`.
-fn inside(tokens: &[Token], open: char, close: char) -> &[Token] {
-    let Some(start) = tokens.iter().position(|t| t.kind == Kind::Mark(open)) else {
-        return &[];
-    };
-    let mut depth = 0;
-    for (index, token) in tokens.iter().enumerate().skip(start) {
-        if token.kind == Kind::Mark(open) {
-            depth += 1;
-        } else if token.kind == Kind::Mark(close) {
-            depth -= 1;
-            if depth == 0 {
-                return &tokens[start + 1..index];
-            }
-        }
-    }
-    &tokens[start + 1..]
-}
-
-fn function(text: &str, after: &[Token]) -> ItemKind {
-    let parameters = inside(after, '(', ')');
-    let rest = after.get(parameters.len() + 2..).unwrap_or(&[]);
-    let body = rest
-        .iter()
-        .position(|t| t.kind == Kind::Mark('{'))
-        .unwrap_or(rest.len());
-    let arrow = rest[..body].get(2..).unwrap_or(&[]);
-    let arrow = &arrow[skip_attributes(arrow)..];
-    ItemKind::Function {
-        parameters: fields(text, parameters),
-        result: join(text, arrow),
-    }
-}
-
-/// Splits `name: type, …` at the commas that stand outside brackets.
-fn fields(text: &str, tokens: &[Token]) -> Vec<Field> {
-    let mut found = Vec::new();
-    let mut depth = 0i32;
-    let mut start = 0;
-    for index in 0..=tokens.len() {
-        let kind = tokens.get(index).map(|t| t.kind);
-        match kind {
-            Some(Kind::Mark('(' | '[' | '<')) => depth += 1,
-            Some(Kind::Mark(')' | ']' | '>')) => depth -= 1,
-            Some(Kind::Mark(',' | ';')) if depth <= 0 => {}
-            None => {}
-            _ => continue,
-        }
-        let ends = kind.is_none() || (depth <= 0 && matches!(kind, Some(Kind::Mark(',' | ';'))));
-        if ends {
-            let field = &tokens[start..index];
-            let field = &field[skip_attributes(field)..];
-            if let [name, _, ty @ ..] = field {
-                found.push(Field {
-                    name: text[name.range.clone()].to_owned(),
-                    ty: join(text, ty),
-                });
-            }
-            start = index + 1;
-        }
-    }
-    found
-}
-
-/// The type in `: type = …;`, empty when it is inferred.
-fn declared_type(text: &str, after: &[Token]) -> String {
-    match after.first().map(|t| t.kind) {
-        Some(Kind::Mark(':')) => {
-            let end = after
-                .iter()
-                .position(|t| matches!(t.kind, Kind::Mark('=' | ';')))
-                .unwrap_or(after.len());
-            join(text, &after[1..end])
-        }
-        _ => String::new(),
-    }
-}
-
-/// A type with every alias in it replaced by what it stands for.
-pub(crate) fn without_aliases<'a>(ty: &str, alias: &dyn Fn(&str) -> Option<&'a str>) -> String {
-    let mut ty = ty.to_owned();
-    // Aliases cannot be recursive; if these are, naga says so.
-    for _ in 0..8 {
-        let found = tokens(&ty);
-        let replaced: String = found
-            .iter()
-            .map(|t| &ty[t.range.clone()])
-            .map(|word| alias(word).unwrap_or(word))
-            .collect();
-        let replaced = join(&replaced, &tokens(&replaced));
-        if replaced == ty || replaced.len() > 1000 {
-            break;
-        }
-        ty = replaced;
-    }
-    ty
-}
-
-/// A type as written, without white space and with WGSL's short names (`vec3f`, not `vec3<f32>`).
-fn join(text: &str, tokens: &[Token]) -> String {
-    let mut joined: String = tokens.iter().map(|t| &text[t.range.clone()]).collect();
-    if !joined.contains("32>") && !joined.contains("f16>") {
-        return joined;
-    }
-    for (word, letter) in [("f32", 'f'), ("u32", 'u'), ("i32", 'i'), ("f16", 'h')] {
-        for size in 2..=4 {
-            joined = joined.replace(&format!("vec{size}<{word}>"), &format!("vec{size}{letter}"));
-            for rows in 2..=4 {
-                joined = joined.replace(
-                    &format!("mat{size}x{rows}<{word}>"),
-                    &format!("mat{size}x{rows}{letter}"),
-                );
-            }
-        }
-    }
-    joined
 }
 
 #[cfg(test)]
@@ -478,7 +255,7 @@ mod tests {
         };
         assert_eq!(words(&outline.items[0]), "width fn f p V let q p width");
         assert_eq!(words(&outline.items[1]), "struct S width width2");
-        let locals: Vec<_> = outline.items[0].locals.iter().map(String::as_str).collect();
+        let locals: Vec<_> = outline.locals(text, &outline.items[0]).collect();
         assert_eq!(locals, ["p", "q"]);
         let strays: Vec<_> = outline.strays.iter().map(|r| &text[r.clone()]).collect();
         assert_eq!(strays, ["fnn g() {}", "fn"]);

@@ -1,11 +1,13 @@
 //! Concatenation: every instance's reachable items, under names that are unique in the shader.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::ops::Range;
 use std::sync::Arc;
 
 use meniscus_source::{Diagnostic, Place, Report, SourceFile};
+
+use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 
 use crate::entry;
 use crate::instance::{Instance, Instances, variables};
@@ -175,7 +177,7 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
             }
         }
     }
-    let mut written = HashSet::new();
+    let mut written = HashSet::default();
     let mut variable_starts = Vec::new();
     let mut chain = 0;
     let mut report = Report::default();
@@ -281,7 +283,7 @@ struct Part<'p> {
 }
 
 fn collect<'p>(instances: &'p Instances, names: &'p [Names], report: &mut Report) -> Vec<Part<'p>> {
-    let mut declared: HashMap<&str, (&Module, &Item)> = HashMap::new();
+    let mut declared: HashMap<&str, (&Module, &Item)> = HashMap::default();
     let mut all = Vec::new();
     for (instance, names) in instances.all.iter().zip(names) {
         let module = instance.module;
@@ -358,8 +360,14 @@ fn check_needs(
             let Some((owner, _)) = declared.get(word) else {
                 continue;
             };
-            let hidden = names.contains_key(word) || item.locals.contains(word);
-            if hidden || owner.path == module.path || is_predeclared(word) {
+            if names.contains_key(word) || owner.path == module.path || is_predeclared(word) {
+                continue;
+            }
+            if module
+                .outline
+                .locals(&module.file.text, item)
+                .any(|l| l == word)
+            {
                 continue;
             }
             let wrong =
@@ -406,7 +414,7 @@ fn redefinition(module: &Module, item: &Item, other: &Module, first: &Item) -> D
 
 /// The names that are reached from the open ones.
 fn reach<'p>(all: &[Part<'p>], mut open: Vec<&'p str>) -> HashSet<&'p str> {
-    let mut mentions: HashMap<&str, &[&str]> = HashMap::new();
+    let mut mentions: HashMap<&str, &[&str]> = HashMap::default();
     for part in all {
         for ((name, item), mentioned) in part.items.iter().zip(&part.mentions) {
             mentions.entry(name).or_insert(mentioned);
@@ -415,7 +423,7 @@ fn reach<'p>(all: &[Part<'p>], mut open: Vec<&'p str>) -> HashSet<&'p str> {
             }
         }
     }
-    let mut reached = HashSet::new();
+    let mut reached = HashSet::default();
     while let Some(name) = open.pop() {
         if let Some(mentioned) = mentions.get(name)
             && reached.insert(name)
