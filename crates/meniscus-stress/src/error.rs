@@ -80,6 +80,9 @@ pub enum Trap {
         /// What the type needs.
         least: usize,
     },
+    /// Another device than the evaluator could not call the function.
+    #[error("{0}")]
+    Device(String),
     /// An entry point is run in a way that is not its own.
     #[error("`{name}` is not a {wanted} entry point")]
     WrongStage {

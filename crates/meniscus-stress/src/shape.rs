@@ -243,6 +243,23 @@ impl<S: Scalar> Lanes<S> {
         }
     }
 
+    /// Some of the lanes, one behind the other; none beyond the last.
+    #[must_use]
+    pub fn part(&self, lanes: std::ops::Range<usize>) -> Self {
+        fn cut<T: Copy>(column: &[T], lanes: &std::ops::Range<usize>) -> Vec<T> {
+            column.get(lanes.clone()).unwrap_or_default().to_vec()
+        }
+        let part = |column: &Column<S>| match column {
+            Column::Float(c) => Column::Float(cut(c, &lanes)),
+            Column::Sint(c) => Column::Sint(cut(c, &lanes)),
+            Column::Uint(c) => Column::Uint(cut(c, &lanes)),
+            Column::Bool(c) => Column::Bool(cut(c, &lanes)),
+        };
+        Self {
+            columns: self.columns.iter().map(part).collect(),
+        }
+    }
+
     /// Every number of one lane, as `f64`.
     #[must_use]
     pub fn lane(&self, lane: usize) -> Vec<f64> {

@@ -31,6 +31,8 @@ fn hunted(
         function: &function,
         domain: &domain,
         resources: &resources,
+        nearby: &[],
+        elsewhere: None,
         truth,
     };
     let findings = subject.hunt(effort).expect("runs");
@@ -299,6 +301,8 @@ fn the_worst_inputs_come_back_from_a_file_as_bad_as_they_were() {
         function: &function,
         domain: &domain,
         resources: &resources,
+        nearby: &[],
+        elsewhere: None,
         truth: None,
     };
     let again = subject.again(&cases).expect("runs");
@@ -347,6 +351,8 @@ fn nothing_is_left_out_of_an_exhaustive_run() {
         function: &function,
         domain: &domain,
         resources: &resources,
+        nearby: &[],
+        elsewhere: None,
         truth: None,
     };
     let found = subject.exhaust(1.0, 2.0).expect("runs");

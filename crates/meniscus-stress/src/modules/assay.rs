@@ -5,12 +5,17 @@ use meniscus_shader::Composer;
 use meniscus_source::Report;
 use serde::{Deserialize, Serialize};
 
-use super::{Choice, Connected, Declared, Host, Specimen, truth};
-use crate::{Case, Domain, Effort, Findings, Function, Spread, Subject, WORST_KEPT};
+use super::{Choice, Connected, Declared, Device, Host, Kernel, Specimen, truth};
+use crate::{
+    Case, Domain, Effort, Elsewhere, Findings, Function, NEARBY, Spread, Subject, Trap, WORST_KEPT,
+};
 
 /// Waters between which a function that reads them is tried: refractive index, and whether the eye
 /// is above.
 pub const WATERS: [(f64, bool); 4] = [(1.333, true), (1.333, false), (2.5, true), (0.4, true)];
+
+/// Hosts with every number moved a little, for second looks.
+const NEARBY_HOSTS: u64 = 7;
 
 /// Inputs of a function that were found to be the worst, as kept in a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -41,6 +46,8 @@ pub struct Assay {
     pub module: String,
     /// The function's name.
     pub function: String,
+    /// The device whose results were judged; none for the evaluator's.
+    pub device: Option<String>,
     /// The domain, as written.
     pub domain: String,
     /// The independent truth, if one is declared.
@@ -79,6 +86,7 @@ struct Prepared {
     host: Host,
     domain: Domain,
     connected: Connected,
+    nearby: Vec<Connected>,
 }
 
 fn prepare(
@@ -93,11 +101,30 @@ fn prepare(
     host.water(water.0, water.1);
     let domain = declared.domain(all, function, &host)?;
     let connected = specimen.connect(function, &host)?;
+    let nearby = (1..=NEARBY_HOSTS)
+        .map(|seed| specimen.connect_nearby(function, &host, NEARBY, seed))
+        .collect::<Result<_, Report>>()?;
     Ok(Prepared {
         host,
         domain,
         connected,
+        nearby,
     })
+}
+
+/// A function as a device calls it.
+fn elsewhere<'a>(
+    device: &'a dyn Device,
+    specimen: &Specimen,
+    function: &Function,
+    host: &Host,
+) -> Result<Box<Elsewhere<'a>>, Report> {
+    let kernel = Kernel::new(specimen, function, host)?;
+    let launch = device.launcher(&kernel)?;
+    Ok(Box::new(move |arguments, lanes| {
+        let found = launch(&kernel.pack(arguments, lanes), lanes).map_err(Trap::Device)?;
+        Ok(kernel.unpack(&found, lanes))
+    }))
 }
 
 impl Prepared {
@@ -106,6 +133,7 @@ impl Prepared {
         specimen: &Specimen,
         function: &Function,
         declared: &Declared,
+        device: Option<&dyn Device>,
         with: impl Fn(&Subject) -> Result<Findings, crate::Trap>,
     ) -> Result<Findings, Report> {
         let truth = declared
@@ -113,11 +141,18 @@ impl Prepared {
             .as_ref()
             .and_then(|name| truth(name, &self.host));
         let resources = self.connected.resources();
+        let nearby: Vec<_> = self.nearby.iter().map(Connected::resources).collect();
+        let elsewhere = match device {
+            Some(device) => Some(elsewhere(device, specimen, function, &self.host)?),
+            None => None,
+        };
         let subject = Subject {
             function,
             domain: &self.domain,
             resources: &resources,
+            nearby: &nearby,
             truth: truth.as_deref(),
+            elsewhere: elsewhere.as_deref(),
         };
         with(&subject).map_err(|trap| specimen.explain(&trap))
     }
@@ -130,6 +165,22 @@ impl Assay {
     /// # Errors
     /// Where the module or its domain is wrong, or a run stops.
     pub fn run(
+        composer: &Composer,
+        all: &[Declared],
+        declared: &Declared,
+        host: &Host,
+        waters: &[(f64, bool)],
+        effort: &Effort,
+    ) -> Result<Self, Report> {
+        Self::run_on(None, composer, all, declared, host, waters, effort)
+    }
+
+    /// The same with results that a device computes; the evaluator's where none is given.
+    ///
+    /// # Errors
+    /// As [`Self::run`], and where the device cannot run the function.
+    pub fn run_on(
+        device: Option<&dyn Device>,
         composer: &Composer,
         all: &[Declared],
         declared: &Declared,
@@ -157,20 +208,22 @@ impl Assay {
         let mut assay: Option<Self> = None;
         for &water in waters {
             let prepared = prepare(&specimen, &function, declared, all, host, water)?;
-            let findings = prepared.run(&specimen, &function, declared, |s| s.hunt(&effort))?;
+            let findings =
+                prepared.run(&specimen, &function, declared, device, |s| s.hunt(&effort))?;
             assay
-                .get_or_insert_with(|| Self::empty(declared))
+                .get_or_insert_with(|| Self::empty(declared, device))
                 .add(&findings, water);
         }
-        let mut assay = assay.unwrap_or_else(|| Self::empty(declared));
+        let mut assay = assay.unwrap_or_else(|| Self::empty(declared, device));
         assay.blame(&specimen, &function, declared, all, host)?;
         Ok(assay)
     }
 
-    fn empty(declared: &Declared) -> Self {
+    fn empty(declared: &Declared, device: Option<&dyn Device>) -> Self {
         Self {
             module: declared.module.clone(),
             function: declared.name.clone(),
+            device: device.map(Device::name),
             domain: declared.to_string(),
             against: declared.against.clone(),
             inputs: 0,
@@ -291,7 +344,7 @@ impl Worst {
             let water = (kept.refractive_index, kept.eye_above);
             let prepared = prepare(&specimen, &function, declared, all, host, water)?;
             let cases = std::slice::from_ref(&kept.case);
-            prepared.run(&specimen, &function, declared, |s| s.again(cases))
+            prepared.run(&specimen, &function, declared, None, |s| s.again(cases))
         };
         self.cases.iter().map(judged).collect()
     }

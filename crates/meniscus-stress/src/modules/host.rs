@@ -167,6 +167,16 @@ impl Host {
         module: &Module,
         names: impl Iterator<Item = &'n str>,
     ) -> Result<Connected, Report> {
+        self.connect_moved(module, names, &mut |number| number)
+    }
+
+    /// The same with every `f32` changed: of blocks, arrays and textures.
+    pub(crate) fn connect_moved<'n>(
+        &self,
+        module: &Module,
+        names: impl Iterator<Item = &'n str>,
+        change: &mut dyn FnMut(f32) -> f32,
+    ) -> Result<Connected, Report> {
         let mut connected = Connected::default();
         for name in names {
             let variable = module.global_variables.iter().map(|(_, v)| v);
@@ -178,13 +188,19 @@ impl Host {
             };
             match &module.types[variable.ty].inner {
                 TypeInner::Image { class, .. } => {
-                    let texture = self.made_texture(name, class);
+                    let texture = self.made_texture(name, class, change);
                     connected.textures.push((name.to_owned(), texture));
                 }
                 TypeInner::Sampler { .. } => connected.samplers.push(name.to_owned()),
                 _ => {
                     let mut words = Vec::new();
-                    self.write(module, variable.ty, 0, name, &mut words)?;
+                    let mut block = Block {
+                        host: self,
+                        module,
+                        words: &mut words,
+                        change: &mut *change,
+                    };
+                    block.write(variable.ty, 0, name)?;
                     connected
                         .buffers
                         .push((name.to_owned(), Buffer::from_words(&words)));
@@ -195,7 +211,12 @@ impl Host {
     }
 
     /// A texture that was set, or a small one in which everything is defined.
-    fn made_texture(&self, name: &str, class: &ImageClass) -> Texture {
+    fn made_texture(
+        &self,
+        name: &str,
+        class: &ImageClass,
+        change: &mut dyn FnMut(f32) -> f32,
+    ) -> Texture {
         let kind = match class {
             ImageClass::Sampled {
                 kind: ScalarKind::Uint,
@@ -208,7 +229,7 @@ impl Host {
             _ => Kind::Float,
         };
         if let Some((size, words)) = self.textures.get(name) {
-            return Texture::from_words(kind, *size, words);
+            return Texture::from_words(kind, *size, &changed(kind, words, change));
         }
         const SIZE: u32 = 16;
         let texel = |i: u32| {
@@ -228,46 +249,7 @@ impl Host {
             }
         };
         let texels: Vec<[u32; 4]> = (0..SIZE * SIZE).map(texel).collect();
-        Texture::from_words(kind, [SIZE, SIZE, 1], &texels)
-    }
-
-    /// Writes a value of a type at an offset, in bytes.
-    fn write(
-        &self,
-        module: &Module,
-        ty: naga::Handle<naga::Type>,
-        offset: usize,
-        path: &str,
-        words: &mut Vec<u32>,
-    ) -> Result<(), Report> {
-        match &module.types[ty].inner {
-            TypeInner::Struct { members, span } => {
-                grow(words, offset + *span as usize);
-                for member in members {
-                    let name = member.name.as_deref().unwrap_or_default();
-                    let at = offset + member.offset as usize;
-                    self.write(module, member.ty, at, &format!("{path}.{name}"), words)?;
-                }
-                Ok(())
-            }
-            TypeInner::Array { base, size, stride } => {
-                let count = match size {
-                    naga::ArraySize::Constant(count) => count.get() as usize,
-                    _ => self.elements(path).clamp(1, MOST_ELEMENTS),
-                };
-                grow(words, offset + count * *stride as usize);
-                for index in 0..count {
-                    let at = offset + index * *stride as usize;
-                    self.write(module, *base, at, &format!("{path}[{index}]"), words)?;
-                }
-                Ok(())
-            }
-            TypeInner::Scalar(scalar) => self.numbers(path, offset, 1, *scalar, words),
-            TypeInner::Vector { size, scalar } => {
-                self.numbers(path, offset, *size as usize, *scalar, words)
-            }
-            _ => Err(Diagnostic::error(format!("`{path}` is of a type that cannot be set")).into()),
-        }
+        Texture::from_words(kind, [SIZE, SIZE, 1], &changed(kind, &texels, change))
     }
 
     /// One more than the largest index that is set of an array.
@@ -283,19 +265,73 @@ impl Host {
             .max()
             .map_or(0, |most| most.saturating_add(1))
     }
+}
+
+/// A uniform block or array while it is written.
+struct Block<'a> {
+    host: &'a Host,
+    module: &'a Module,
+    words: &'a mut Vec<u32>,
+    change: &'a mut dyn FnMut(f32) -> f32,
+}
+
+impl Block<'_> {
+    /// Writes a value of a type at an offset, in bytes.
+    fn write(
+        &mut self,
+        ty: naga::Handle<naga::Type>,
+        offset: usize,
+        path: &str,
+    ) -> Result<(), Report> {
+        let module = self.module;
+        match &module.types[ty].inner {
+            TypeInner::Struct { members, span } => {
+                grow(self.words, offset + *span as usize);
+                for member in members {
+                    let name = member.name.as_deref().unwrap_or_default();
+                    let at = offset + member.offset as usize;
+                    let path = match module.types[member.ty].inner {
+                        // The same values as those of a buffer of that name.
+                        TypeInner::Array { .. } => name.to_owned(),
+                        _ => format!("{path}.{name}"),
+                    };
+                    self.write(member.ty, at, &path)?;
+                }
+                Ok(())
+            }
+            TypeInner::Array { base, size, stride } => {
+                let count = match size {
+                    naga::ArraySize::Constant(count) => count.get() as usize,
+                    _ => self.host.elements(path).clamp(1, MOST_ELEMENTS),
+                };
+                grow(self.words, offset + count * *stride as usize);
+                for index in 0..count {
+                    let at = offset + index * *stride as usize;
+                    self.write(*base, at, &format!("{path}[{index}]"))?;
+                }
+                Ok(())
+            }
+            TypeInner::Scalar(scalar) => self.numbers(path, offset, 1, *scalar),
+            TypeInner::Vector { size, scalar } => {
+                self.numbers(path, offset, *size as usize, *scalar)
+            }
+            _ => Err(Diagnostic::error(format!("`{path}` is of a type that cannot be set")).into()),
+        }
+    }
 
     fn numbers(
-        &self,
+        &mut self,
         path: &str,
         offset: usize,
         count: usize,
         scalar: Scalar,
-        words: &mut Vec<u32>,
     ) -> Result<(), Report> {
         let zeros = vec![0.0; count];
+        let waves = [self.host.elements("waves") as f64];
         // Elements of arrays are 0 where nothing is said; a block's member must be known.
-        let value = match self.values.get(path) {
-            Some(value) => value,
+        let value = match self.host.values.get(path) {
+            Some(value) => value.as_slice(),
+            None if path == "water.wave_count" => &waves,
             None if path.contains('[') => &zeros,
             None => {
                 let unknown = Diagnostic::error(format!("the host knows no value of `{path}`"));
@@ -306,16 +342,26 @@ impl Host {
             let message = format!("`{path}` has {count} numbers, not {}", value.len());
             return Err(Diagnostic::error(message).into());
         }
-        grow(words, offset + 4 * count);
+        grow(self.words, offset + 4 * count);
         for (index, &number) in value.iter().enumerate() {
-            words[offset / 4 + index] = match scalar.kind {
+            self.words[offset / 4 + index] = match scalar.kind {
                 ScalarKind::Uint => number as u32,
                 ScalarKind::Sint => number as i32 as u32,
-                _ => (number as f32).to_bits(),
+                _ => (self.change)(number as f32).to_bits(),
             };
         }
         Ok(())
     }
+}
+
+/// Texels with every float of them changed.
+fn changed(kind: Kind, texels: &[[u32; 4]], change: &mut dyn FnMut(f32) -> f32) -> Vec<[u32; 4]> {
+    let mut word = |word: u32| change(f32::from_bits(word)).to_bits();
+    let texel = |texel: &[u32; 4]| match kind {
+        Kind::Float => texel.map(&mut word),
+        _ => *texel,
+    };
+    texels.iter().map(texel).collect()
 }
 
 fn grow(words: &mut Vec<u32>, bytes: usize) {
@@ -327,8 +373,8 @@ fn grow(words: &mut Vec<u32>, bytes: usize) {
 /// Buffers, textures and samplers made for the variables of a function.
 #[derive(Debug, Default)]
 pub struct Connected {
-    buffers: Vec<(String, Buffer)>,
-    textures: Vec<(String, Texture)>,
+    pub(super) buffers: Vec<(String, Buffer)>,
+    pub(super) textures: Vec<(String, Texture)>,
     samplers: Vec<String>,
 }
 

@@ -1,8 +1,10 @@
 //! Shader modules of a library, ready to be run, with the domains that their headers declare.
 
 mod assay;
+mod declared;
 mod domain;
 mod host;
+mod kernel;
 mod truth;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,8 +13,9 @@ use meniscus_shader::{Alone, Composer, Filling, Library};
 use meniscus_source::{Diagnostic, Place, Report};
 
 pub use assay::{Assay, WATERS, Worst, WorstCase};
-pub use domain::{Declared, declared};
+pub use declared::{Declared, declared};
 pub use host::{Connected, Host};
+pub use kernel::{Device, Kernel, Launcher, Read, Texels};
 pub use truth::{TRUTHS, truth};
 
 use crate::{Domain, Function, Program, Settings, Site, Trap};
@@ -36,6 +39,8 @@ pub struct Specimen {
     path: String,
     alone: Alone,
     program: Program,
+    /// Values of `override`s by their names in the IR.
+    numbers: BTreeMap<String, f64>,
 }
 
 impl Specimen {
@@ -56,7 +61,7 @@ impl Specimen {
             numbers.insert(known.clone(), *value);
         }
         let settings = Settings {
-            numbers,
+            numbers: numbers.clone(),
             fused: choice.fused,
             ..Settings::default()
         };
@@ -66,6 +71,7 @@ impl Specimen {
             path: path.to_owned(),
             alone,
             program,
+            numbers,
         })
     }
 
@@ -102,6 +108,21 @@ impl Specimen {
     /// Where the host has a value of another kind than the shader reads.
     pub fn connect(&self, function: &Function, host: &Host) -> Result<Connected, Report> {
         host.connect(self.program.module(), function.resources())
+    }
+
+    /// The same with every `f32` that the function reads moved by at most so many ulps; 0 stays.
+    pub(crate) fn connect_nearby(
+        &self,
+        function: &Function,
+        host: &Host,
+        ulps: i64,
+        seed: u64,
+    ) -> Result<Connected, Report> {
+        let mut rng = fastrand::Rng::with_seed(seed);
+        let module = self.program.module();
+        host.connect_moved(module, function.resources(), &mut |number| {
+            crate::stress::nudged(number, ulps, &mut rng)
+        })
     }
 
     /// Where the inputs of a function lie, as the header says; none where it says nothing.

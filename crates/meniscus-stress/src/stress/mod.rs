@@ -1,7 +1,9 @@
 //! Hunting the worst inputs of a function: random ones, special ones, and an adversary.
 
 mod domain;
+mod draw;
 mod exhaust;
+mod nearby;
 mod verdict;
 
 use std::time::{Duration, Instant};
@@ -10,7 +12,10 @@ use fastrand::Rng;
 
 pub use domain::{Domain, Input, Place, Range, Relation};
 pub use exhaust::Exhausted;
-pub use verdict::{Subject, Truth, Verdict};
+pub use nearby::NEARBY;
+pub use verdict::{Elsewhere, Subject, Truth, Verdict};
+
+pub(crate) use draw::nudged;
 
 use crate::error::Trap;
 

@@ -14,6 +14,9 @@ use crate::ulp::{ulp, ulps};
 /// result out. NaN stands for "no opinion".
 pub type Truth<'a> = dyn Fn(&[f64]) -> Vec<f64> + Sync + 'a;
 
+/// Calls the function in `f32` in as many lanes: a GPU instead of the evaluator.
+pub type Elsewhere<'a> = dyn Fn(&[Lanes<f32>], usize) -> Result<Lanes<f32>, Trap> + Sync + 'a;
+
 /// What is put under stress.
 #[derive(Clone, Copy)]
 pub struct Subject<'a> {
@@ -23,8 +26,12 @@ pub struct Subject<'a> {
     pub domain: &'a Domain,
     /// What it reads.
     pub resources: &'a Resources<'a>,
+    /// What it reads, moved by a few ulps, each in another way; may be none.
+    pub nearby: &'a [Resources<'a>],
     /// What is right, where that is known independently.
     pub truth: Option<&'a Truth<'a>>,
+    /// What computes in `f32`; the evaluator where none is given.
+    pub elsewhere: Option<&'a Elsewhere<'a>>,
 }
 
 /// What one input shows. Errors are the worst over the numbers of the result, in ulps of `f32`.
@@ -37,7 +44,8 @@ pub struct Verdict {
     /// `f32` against the truth, or against 31 digits where there is none.
     pub total: f64,
     /// Relative change of the result for a relative change of the inputs, of the number that
-    /// `scaled` is of.
+    /// `scaled` is of: of the arguments, by differentiation; where that does not account for the
+    /// error, of arguments and host values together, by trying inputs nearby.
     pub condition: f64,
     /// The largest of `rounding` / (1 + condition) over the numbers of the result.
     pub scaled: f64,
@@ -47,7 +55,8 @@ pub struct Verdict {
     /// trusted.
     pub trusted: bool,
     /// Whether integers or truth values of the result come out as with 31 digits; where they do
-    /// not, the errors are of different branches and are given as 0.
+    /// not, errors are those against inputs nearby at which they do, and infinite where there is
+    /// none.
     pub same_branch: bool,
     /// A bound on `rounding` proven by intervals; infinite where they cannot decide.
     pub proven: f64,
@@ -63,22 +72,42 @@ impl Subject<'_> {
     ///
     /// The [`Trap`] of a run.
     pub fn judge(&self, inputs: &[Input]) -> Result<Vec<Verdict>, Trap> {
-        let batches = inputs
-            .par_chunks(BATCH)
-            .map(|batch| self.judge_batch(batch));
+        let found = match self.elsewhere {
+            Some(call) if !inputs.is_empty() => {
+                let arguments = self.domain.lanes(self.function, inputs);
+                Some(call(&arguments, inputs.len())?)
+            }
+            _ => None,
+        };
+        let batches = inputs.par_chunks(BATCH).enumerate().map(|(index, batch)| {
+            let first = index * BATCH;
+            let found = found.as_ref().map(|f| f.part(first..first + batch.len()));
+            self.judge_batch(batch, found)
+        });
         let batches: Vec<Vec<Verdict>> = batches.collect::<Result<_, Trap>>()?;
         Ok(batches.into_iter().flatten().collect())
     }
 
-    fn run<S: Scalar>(&self, arguments: &[Lanes<f32>], count: usize) -> Result<Lanes<S>, Trap> {
+    pub(super) fn run<S: Scalar>(
+        &self,
+        arguments: &[Lanes<f32>],
+        count: usize,
+    ) -> Result<Lanes<S>, Trap> {
         let arguments: Vec<Lanes<S>> = arguments.iter().map(Lanes::converted).collect();
         self.function.call(&arguments, count, self.resources)
     }
 
-    fn judge_batch(&self, inputs: &[Input]) -> Result<Vec<Verdict>, Trap> {
+    fn judge_batch(
+        &self,
+        inputs: &[Input],
+        found: Option<Lanes<f32>>,
+    ) -> Result<Vec<Verdict>, Trap> {
         let count = inputs.len();
         let arguments = self.domain.lanes(self.function, inputs);
-        let single = self.function.call(&arguments, count, self.resources)?;
+        let single = match found {
+            Some(found) => found,
+            None => self.function.call(&arguments, count, self.resources)?,
+        };
         let double = self.run::<f64>(&arguments, count)?;
         let exact = self.run::<DoubleDouble>(&arguments, count)?;
         let intervals: Vec<Lanes<Interval>> = arguments.iter().map(Lanes::converted).collect();
@@ -114,6 +143,7 @@ impl Subject<'_> {
         for verdict in &mut verdicts {
             verdict.settle();
         }
+        self.look_again(inputs, &single, &exact, &conditions, &mut verdicts)?;
         Ok(verdicts)
     }
 
@@ -235,7 +265,7 @@ impl Verdict {
 
     fn settle(&mut self) {
         if !self.same_branch && self.finite {
-            (self.rounding, self.method, self.total, self.scaled) = (0.0, 0.0, 0.0, 0.0);
+            (self.rounding, self.method, self.total) = (0.0, 0.0, 0.0);
         }
         if self.proven.is_nan() {
             self.proven = f64::INFINITY;
