@@ -5,9 +5,10 @@ use meniscus_shader::{Binding, BindingKind};
 
 use crate::host_buffers::HostBuffers;
 use crate::host_scene::HostScene;
+use crate::host_uses::HostUse;
 use crate::resources::Resources;
 use crate::scene_arrays::SceneArrays;
-use crate::{Gpu, GpuError, formats, steps};
+use crate::{Gpu, GpuError, formats, uses};
 
 /// Connects the names of shaders to resources.
 pub(crate) struct Binder<'a> {
@@ -16,6 +17,8 @@ pub(crate) struct Binder<'a> {
     pub scene: &'a HostScene,
     pub arrays: &'a SceneArrays,
     pub host: HostBuffers,
+    /// What the pass that was bound last reads of the host's buffers.
+    pub host_uses: Vec<HostUse>,
 }
 
 /// A resource that is bound.
@@ -46,6 +49,7 @@ impl<'a> Binder<'a> {
         pass: &PlannedPass,
         layout: &wgpu::BindGroupLayout,
     ) -> Result<wgpu::BindGroup, GpuError> {
+        self.host_uses.clear();
         let mut bound = Vec::with_capacity(pass.shader.bindings.len());
         for binding in &pass.shader.bindings {
             bound.push((binding.index, self.resource(pass, binding)?));
@@ -80,6 +84,8 @@ impl<'a> Binder<'a> {
                         let buffer = self
                             .host
                             .get(self.gpu, pass, binding, ty, self.scene, views)?;
+                        let used = HostUse::new(&pass.shader, binding, &buffer);
+                        self.host_uses.push(used);
                         Ok(Bound::Buffer(buffer))
                     }
                 }
@@ -96,7 +102,7 @@ impl<'a> Binder<'a> {
         binding: &Binding,
         filtered: bool,
     ) -> Result<Bound<'a>, GpuError> {
-        let name = steps::texture_name(pass, binding);
+        let name = uses::texture_name(pass, binding);
         let wrong = |message: String| {
             Err(GpuError::Plan(format!(
                 "pass `{}` connects `{}` to `{name}`, {message}",

@@ -85,7 +85,7 @@ impl Frame {
         if self.gpu().has_statistics() && !steps.is_empty() {
             let ty = wgpu::QueryType::PipelineStatistics(statistics());
             let queries = Queries::new(self.gpu(), ty, steps.len() as u32, 3)?;
-            self.run(Instrument::Statistics(&queries.set), Some(&queries))?;
+            self.run(Instrument::Statistics(&queries.set), Some(&queries), None)?;
             for (pass, numbers) in passes
                 .iter_mut()
                 .zip(queries.read(self.gpu())?.chunks_exact(3))

@@ -7,14 +7,15 @@ use glam::UVec2;
 use meniscus_pipeline::{PassKind, Plan, Size};
 use meniscus_scene::{Scene, View};
 
-use crate::bindings::Binder;
-use crate::host_buffers::{HostBuffers, Written};
+use crate::host_buffers::Written;
 use crate::host_scene::{HostScene, Views};
+use crate::parts::{Making, Parts, Skipping};
 use crate::pipelines::Pipeline;
 use crate::queries::Queries;
 use crate::readback::{self, Pixels};
 use crate::record::{self, Instrument, Stopwatch};
 use crate::resources::{Resources, check_size};
+use crate::reuse::Reuse;
 use crate::scene_buffers::SceneBuffers;
 use crate::steps::{self, Draw, Step, Work};
 use crate::timing::{self, FrameTiming, Stamps};
@@ -30,17 +31,10 @@ pub struct Frame {
     host: HostScene,
     size: UVec2,
     parts: Parts,
+    skipping: Skipping,
     stopwatch: Option<Stopwatch>,
     uploaded: u64,
     uploaded_last: u64,
-}
-
-/// What depends on the views and on the side of the water that the eye is on.
-#[derive(Debug)]
-struct Parts {
-    resources: Resources,
-    host_buffers: HostBuffers,
-    steps: Vec<Step>,
 }
 
 impl Frame {
@@ -57,6 +51,21 @@ impl Frame {
         size: UVec2,
         cache: &PipelineCache,
     ) -> Result<Self, GpuError> {
+        Self::with(gpu, plan, scene, size, cache, Skipping::ALL)
+    }
+
+    /// The same with only some of what a frame may leave out left out.
+    ///
+    /// # Errors
+    /// As [`Frame::new`].
+    pub fn with(
+        gpu: &Gpu,
+        plan: &Plan,
+        scene: Arc<SceneBuffers>,
+        size: UVec2,
+        cache: &PipelineCache,
+        skipping: Skipping,
+    ) -> Result<Self, GpuError> {
         check_size(gpu, "a picture", size)?;
         let mut pipelines = Vec::with_capacity(plan.passes.len());
         for pass in &plan.passes {
@@ -65,7 +74,15 @@ impl Frame {
             pipelines.push(cache.get(gpu, pass, &formats)?);
         }
         let host = scene.host.clone();
-        let parts = Parts::new(gpu, plan, &pipelines, &scene, &host, size)?;
+        let parts = Parts::new(&Making {
+            gpu,
+            plan,
+            pipelines: &pipelines,
+            scene: &scene,
+            host: &host,
+            size,
+            skipping,
+        })?;
         let stopwatch = stopwatch(gpu, &parts.steps)?;
         Ok(Self {
             gpu: gpu.clone(),
@@ -75,6 +92,7 @@ impl Frame {
             host,
             size,
             parts,
+            skipping,
             stopwatch,
             uploaded: 0,
             uploaded_last: 0,
@@ -111,17 +129,19 @@ impl Frame {
             Written::Bytes(bytes) => {
                 self.uploaded += bytes;
                 self.uploaded_last = bytes;
+                self.parts.note_changes();
                 self.redraw(&host, &views)?;
             }
             Written::Outgrown => {
-                self.parts = Parts::new(
-                    &self.gpu,
-                    &self.plan,
-                    &self.pipelines,
-                    &self.scene,
-                    &host,
-                    self.size,
-                )?;
+                self.parts = Parts::new(&Making {
+                    gpu: &self.gpu,
+                    plan: &self.plan,
+                    pipelines: &self.pipelines,
+                    scene: &self.scene,
+                    host: &host,
+                    size: self.size,
+                    skipping: self.skipping,
+                })?;
             }
         }
         self.parts.resources.views = views;
@@ -135,17 +155,24 @@ impl Frame {
         if sight == self.host.sight(self.views()) {
             return Ok(());
         }
-        for (pass, step) in self.plan.passes.iter().zip(&mut self.parts.steps) {
+        let steps = self.plan.passes.iter().zip(&mut self.parts.steps);
+        for (index, (pass, step)) in steps.enumerate() {
             if let (PassKind::Draw(geometry), Work::Render { draw, .. }) =
                 (&pass.kind, &mut step.work)
             {
-                *draw = Draw::scene(&self.gpu, &self.scene, *geometry, &sight)?;
+                let new = Draw::scene(&self.gpu, &self.scene, *geometry, &sight)?;
+                if new != *draw {
+                    *draw = new;
+                    self.parts.reuse.touch(index);
+                }
             }
         }
         Ok(())
     }
 
-    /// Renders the frame, waits for it, and tells how long it took. Nothing is made or uploaded.
+    /// Renders the whole frame, whatever has changed, waits for it, and tells how long it took.
+    /// Nothing is made or uploaded. This is what benchmarks time; [`Frame::refresh`] leaves out
+    /// what the last frame already holds.
     ///
     /// # Errors
     /// When the graphics library or the driver refuses, or the device is lost.
@@ -154,7 +181,8 @@ impl Frame {
             Some(watch) => (Instrument::Timestamps(watch), Some(&watch.queries)),
             None => (Instrument::Nothing, None),
         };
-        let wall_ms = self.run(instrument, queries)?;
+        let wall_ms = self.run(instrument, queries, None)?;
+        self.parts.reuse.done();
         let ticks = queries.map(|q| q.read(&self.gpu)).transpose()?;
         let stamps: Option<Vec<[u64; 2]>> =
             ticks.map(|ticks| ticks.chunks_exact(2).map(|p| [p[0], p[1]]).collect());
@@ -164,31 +192,23 @@ impl Frame {
         Ok(timing::judge(stamps, &names, wall_ms))
     }
 
-    /// Records and runs the frame; milliseconds from submission to the end of waiting.
+    /// Records and runs the frame, or some of its passes; milliseconds from submission to the end of
+    /// waiting.
     pub(crate) fn run(
         &self,
         instrument: Instrument,
         queries: Option<&Queries>,
+        chosen: Option<&[bool]>,
     ) -> Result<f64, GpuError> {
-        let steps = &self.parts.steps;
         let commands = self.gpu.attempt("recording a frame", || {
             let mut encoder = self
                 .gpu
                 .device()
                 .create_command_encoder(&Default::default());
-            for (name, buffer) in &self.plan.buffers {
-                if let Some(held) = self
-                    .parts
-                    .resources
-                    .buffers
-                    .get(name)
-                    .filter(|_| buffer.zeroed)
-                {
-                    encoder.clear_buffer(held, 0, None);
+            for (index, step) in self.parts.steps.iter().enumerate() {
+                if chosen.is_none_or(|chosen| chosen[index]) {
+                    record::step(&mut encoder, index, step, instrument);
                 }
-            }
-            for (index, step) in steps.iter().enumerate() {
-                record::step(&mut encoder, index, step, instrument);
             }
             if let Some(queries) = queries {
                 queries.resolve(&mut encoder);
@@ -205,7 +225,8 @@ impl Frame {
     /// Reads a texture of the plan as it stands.
     ///
     /// # Errors
-    /// When there is none of that name, and when the read-back fails.
+    /// When there is none of that name, when another texture has taken over its memory (see
+    /// [`Skipping::sharing`]), and when the read-back fails.
     pub fn read(&self, texture: &str) -> Result<Pixels, GpuError> {
         let textures = &self.parts.resources.textures;
         let target = textures.get(texture).ok_or_else(|| {
@@ -215,6 +236,12 @@ impl Frame {
                 names.join(", ")
             ))
         })?;
+        if let Some(other) = self.parts.resources.successor(texture) {
+            return Err(GpuError::Plan(format!(
+                "the texture `{texture}` is gone at the end of a frame: `{other}` has taken over its \
+                 memory; make the frame without `Skipping::sharing` to read it"
+            )));
+        }
         readback::texture(&self.gpu, &target.texture, target.format, target.size)
     }
 
@@ -262,6 +289,14 @@ impl Frame {
         &self.gpu
     }
 
+    pub(crate) fn parts(&mut self) -> &mut Parts {
+        &mut self.parts
+    }
+
+    pub(crate) fn reuse(&self) -> &Reuse {
+        &self.parts.reuse
+    }
+
     pub(crate) fn steps(&self) -> &[Step] {
         &self.parts.steps
     }
@@ -272,49 +307,6 @@ impl Frame {
 
     fn views(&self) -> &Views {
         &self.parts.resources.views
-    }
-}
-
-impl Parts {
-    fn new(
-        gpu: &Gpu,
-        plan: &Plan,
-        pipelines: &[Arc<Pipeline>],
-        scene: &SceneBuffers,
-        host: &HostScene,
-        size: UVec2,
-    ) -> Result<Self, GpuError> {
-        let views = host.views(size, scene.heights());
-        let resources = Resources::new(gpu, plan, &views)?;
-        let mut binder = Binder {
-            gpu,
-            resources: &resources,
-            scene: host,
-            arrays: scene.arrays(),
-            host: HostBuffers::default(),
-        };
-        let builder = steps::Builder {
-            gpu,
-            plan,
-            pipelines,
-            resources: &resources,
-            scene,
-            sight: host.sight(&views),
-        };
-        let (steps, never_written) = builder.steps(&mut binder)?;
-        let host_buffers = binder.host;
-        if !never_written.is_empty() {
-            gpu.attempt("clearing textures", || {
-                let mut encoder = gpu.device().create_command_encoder(&Default::default());
-                record::clears(&mut encoder, &never_written, None);
-                gpu.queue().submit([encoder.finish()]);
-            })?;
-        }
-        Ok(Self {
-            resources,
-            host_buffers,
-            steps,
-        })
     }
 }
 

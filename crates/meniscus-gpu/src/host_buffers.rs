@@ -1,5 +1,6 @@
 //! Uniform blocks and small arrays of the host, in the layouts that shaders declare.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use meniscus_pipeline::PlannedPass;
@@ -25,6 +26,8 @@ struct HostBuffer {
     /// As `layout::signature` gives it.
     signature: String,
     bytes: Vec<u8>,
+    /// What the last update replaced; empty where it changed nothing.
+    before: Vec<u8>,
     buffer: wgpu::Buffer,
 }
 
@@ -88,6 +91,7 @@ impl HostBuffers {
             ty,
             signature,
             bytes,
+            before: Vec::new(),
             buffer: buffer.clone(),
         });
         Ok(buffer)
@@ -120,14 +124,27 @@ impl HostBuffers {
         }
         let mut written = 0;
         for (held, new) in self.0.iter_mut().zip(fresh) {
+            held.before.clear();
             if new != held.bytes {
                 let what = format!("writing `{}`", held.resource);
                 gpu.attempt(&what, || gpu.queue().write_buffer(&held.buffer, 0, &new))?;
                 written += new.len() as u64;
-                held.bytes = new;
+                held.before = std::mem::replace(&mut held.bytes, new);
             }
         }
         Ok(Written::Bytes(written))
+    }
+
+    /// Whether the last update changed some byte of a buffer within these ranges. A buffer that is
+    /// not the host's never changes.
+    pub fn changed(&self, buffer: &wgpu::Buffer, ranges: &[Range<usize>]) -> bool {
+        let held = self.0.iter().find(|held| held.buffer == *buffer);
+        held.is_some_and(|held| {
+            let differs = |range: &Range<usize>| {
+                held.before.get(range.clone()) != held.bytes.get(range.clone())
+            };
+            !held.before.is_empty() && ranges.iter().any(differs)
+        })
     }
 }
 

@@ -69,6 +69,16 @@ impl HostScene {
         }
     }
 
+    /// The water at its moment.
+    pub fn water(&self) -> &Water {
+        &self.water
+    }
+
+    /// The eye.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
     /// Whether the eye is above the water that rays meet, or on it.
     pub fn eye_above(&self) -> bool {
         let waves = match self.water.geometry {

@@ -83,6 +83,9 @@ pub(crate) fn step(
     step: &Step,
     instrument: Instrument,
 ) {
+    for buffer in &step.zeroes {
+        encoder.clear_buffer(buffer, 0, None);
+    }
     let (begin, end) = pass_stamps(index);
     let watch = match instrument {
         Instrument::Timestamps(watch) => Some(watch),

@@ -1,21 +1,26 @@
 //! The textures and buffers between the passes of a plan.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use glam::UVec2;
 use meniscus_pipeline::{Format, Plan, Size};
-use meniscus_shader::BindingKind;
 
 use crate::host_scene::Views;
-use crate::{Gpu, GpuError, formats, steps};
+use crate::sharing::{self, Wanted};
+use crate::uses::{self, Uses};
+use crate::{Gpu, GpuError, formats};
 
 /// A texture with what is known of it.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Target {
     pub texture: wgpu::Texture,
     pub view: wgpu::TextureView,
     pub format: Format,
     pub size: UVec2,
+    /// Textures of the same number share their memory.
+    pub memory: usize,
+    /// The first and the last pass that touch it; none where it is not to be shared.
+    pub life: Option<[usize; 2]>,
 }
 
 /// Everything that lies between passes.
@@ -47,25 +52,20 @@ pub(crate) fn check_size(gpu: &Gpu, what: &str, size: UVec2) -> Result<(), GpuEr
     Ok(())
 }
 
+/// What must be alike for textures to share memory: format, size, and whether shaders store to it.
+type Kind = (Format, UVec2, bool);
+
 impl Resources {
-    /// Makes the textures and buffers of a plan.
-    pub fn new(gpu: &Gpu, plan: &Plan, views: &Views) -> Result<Self, GpuError> {
+    /// Makes the textures and buffers of a plan. With `share`, textures that are never needed at
+    /// once share memory; what comes out of the frame is not among them.
+    pub fn new(gpu: &Gpu, plan: &Plan, views: &Views, share: bool) -> Result<Self, GpuError> {
         check_size(gpu, "a picture", views.size(Size::Frame))?;
         check_size(
             gpu,
             "a picture with its guard band",
             views.size(Size::Guarded),
         )?;
-        let stored = stored(plan);
-        let mut textures = BTreeMap::new();
-        for (name, texture) in &plan.textures {
-            let size = views.size(texture.size);
-            let stored = stored.contains(name.as_str());
-            textures.insert(
-                name.clone(),
-                target(gpu, name, texture.format, size, stored)?,
-            );
-        }
+        let textures = textures(gpu, plan, views, share)?;
         let pixels = views.size(Size::Frame);
         let pixels = u64::from(pixels.x) * u64::from(pixels.y);
         let mut buffers = BTreeMap::new();
@@ -94,20 +94,32 @@ impl Resources {
 
     /// Bytes of all textures.
     pub fn texture_bytes(&self) -> u64 {
-        self.texture_sum_bytes()
+        let mut seen = Vec::new();
+        let first = |t: &&Target| {
+            let first = !seen.contains(&t.memory);
+            seen.push(t.memory);
+            first
+        };
+        self.textures.values().filter(first).map(bytes).sum()
     }
 
     /// Bytes of all textures if none shared memory with another.
     pub fn texture_sum_bytes(&self) -> u64 {
-        let bytes = |t: &Target| {
-            u64::from(t.size.x) * u64::from(t.size.y) * u64::from(formats::texel_bytes(t.format))
-        };
         self.textures.values().map(bytes).sum()
     }
 
     /// Bytes of the textures that are needed at once.
     pub fn texture_peak_bytes(&self) -> u64 {
-        self.texture_sum_bytes()
+        let needed: Vec<_> = self.textures.values().map(|t| (bytes(t), t.life)).collect();
+        sharing::peak(&needed)
+    }
+
+    /// A texture that later took the memory of this one over.
+    pub fn successor(&self, name: &str) -> Option<&str> {
+        let of = self.textures.get(name)?;
+        let later = |t: &Target| t.memory == of.memory && t.life > of.life;
+        let mut all = self.textures.iter();
+        all.find(|(_, t)| later(t)).map(|(name, _)| name.as_str())
     }
 
     /// Bytes of all buffers.
@@ -116,25 +128,56 @@ impl Resources {
     }
 }
 
-/// The textures that some pass stores to.
-fn stored(plan: &Plan) -> BTreeSet<&str> {
-    let bindings = plan
-        .passes
-        .iter()
-        .flat_map(|pass| pass.shader.bindings.iter().map(move |b| (pass, b)));
-    bindings
-        .filter(|(_, b)| matches!(b.kind, BindingKind::StorageTexture { .. }))
-        .map(|(pass, binding)| steps::texture_name(pass, binding))
-        .collect()
+fn bytes(t: &Target) -> u64 {
+    u64::from(t.size.x) * u64::from(t.size.y) * u64::from(formats::texel_bytes(t.format))
 }
 
-fn target(
+fn textures(
     gpu: &Gpu,
-    name: &str,
-    format: Format,
-    size: UVec2,
-    stored: bool,
-) -> Result<Target, GpuError> {
+    plan: &Plan,
+    views: &Views,
+    share: bool,
+) -> Result<BTreeMap<String, Target>, GpuError> {
+    let uses = Uses::new(plan);
+    let lives = uses.lifetimes();
+    let life = |name: &str| {
+        let comes_out = name == plan.output || plan.shown.as_deref() == Some(name);
+        let known = uses.names.iter().position(|known| *known == name);
+        known.filter(|_| share && !comes_out).map(|i| lives[i])
+    };
+    let stored = uses::stored(plan);
+    let wanted: Vec<Wanted<Kind>> = plan
+        .textures
+        .iter()
+        .map(|(name, texture)| Wanted {
+            kind: (
+                texture.format,
+                views.size(texture.size),
+                stored.contains(name.as_str()),
+            ),
+            life: life(name),
+        })
+        .collect();
+    let memories = sharing::memories(&wanted);
+    let mut made: Vec<Target> = Vec::new();
+    let mut textures = BTreeMap::new();
+    for ((name, wanted), memory) in plan.textures.keys().zip(&wanted).zip(memories) {
+        let held = made.iter().find(|t| t.memory == memory);
+        let target = match held {
+            Some(held) => Target {
+                life: wanted.life,
+                ..held.clone()
+            },
+            None => target(gpu, name, wanted, memory)?,
+        };
+        made.push(target.clone());
+        textures.insert(name.clone(), target);
+    }
+    Ok(textures)
+}
+
+fn target(gpu: &Gpu, name: &str, wanted: &Wanted<Kind>, memory: usize) -> Result<Target, GpuError> {
+    let (format, size, stored) = wanted.kind;
     let mut usage = wgpu::TextureUsages::RENDER_ATTACHMENT
         | wgpu::TextureUsages::TEXTURE_BINDING
         | wgpu::TextureUsages::COPY_SRC;
@@ -166,6 +209,8 @@ fn target(
         view,
         format,
         size,
+        memory,
+        life: wanted.life,
     })
 }
 

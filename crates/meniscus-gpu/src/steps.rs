@@ -9,20 +9,26 @@ use meniscus_pipeline::{Geometry, PassKind, Plan, PlannedPass, Size};
 use meniscus_shader::{Binding, BindingKind, Entry};
 
 use crate::bindings::Binder;
+use crate::host_uses::HostUse;
 use crate::pipelines::{Pipeline, Stages};
 use crate::resources::{Resources, Target};
 use crate::scene_buffers::{GeometryBuffers, SceneBuffers};
 use crate::sight::Sight;
+use crate::uses::{Uses, reads, writes};
 use crate::{Gpu, GpuError, formats};
 
 /// One pass, ready to be recorded.
 #[derive(Debug)]
 pub(crate) struct Step {
     pub name: String,
+    /// Buffers to be zeroed before it.
+    pub zeroes: Vec<wgpu::Buffer>,
     /// Textures to be cleared before it.
     pub clears: Vec<Clear>,
     pub pipeline: Arc<Pipeline>,
     pub bindings: wgpu::BindGroup,
+    /// What it reads of the host's buffers.
+    pub host_uses: Vec<HostUse>,
     pub work: Work,
 }
 
@@ -92,49 +98,9 @@ pub(crate) struct Builder<'a> {
     pub plan: &'a Plan,
     pub pipelines: &'a [Arc<Pipeline>],
     pub resources: &'a Resources,
+    pub uses: &'a Uses<'a>,
     pub scene: &'a SceneBuffers,
     pub sight: Sight,
-}
-
-/// The texture that a binding stands for: an output's target, or the one it is connected to.
-pub(crate) fn texture_name<'a>(pass: &'a PlannedPass, binding: &'a Binding) -> &'a str {
-    if matches!(binding.kind, BindingKind::StorageTexture { .. }) {
-        let names = [&binding.resource, &binding.variable];
-        let output = pass
-            .shader
-            .outputs
-            .iter()
-            .position(|output| names.contains(&output));
-        if let Some(target) = output.and_then(|index| pass.targets.get(index)) {
-            return target;
-        }
-    }
-    &binding.resource
-}
-
-/// The textures that a pass samples.
-fn reads(pass: &PlannedPass) -> impl Iterator<Item = &str> {
-    let sampled = |b: &&Binding| matches!(b.kind, BindingKind::Texture { .. });
-    pass.shader
-        .bindings
-        .iter()
-        .filter(sampled)
-        .map(|b| texture_name(pass, b))
-}
-
-/// The textures that a pass writes, depth included.
-fn writes(pass: &PlannedPass) -> BTreeSet<&str> {
-    let stored = |b: &&Binding| matches!(b.kind, BindingKind::StorageTexture { .. });
-    let stored = pass
-        .shader
-        .bindings
-        .iter()
-        .filter(stored)
-        .map(|b| texture_name(pass, b));
-    stored
-        .chain(pass.targets.iter().map(String::as_str))
-        .chain(pass.depth.as_deref())
-        .collect()
 }
 
 impl Builder<'_> {
@@ -143,7 +109,8 @@ impl Builder<'_> {
         let mut written = BTreeSet::new();
         let mut steps = Vec::with_capacity(self.plan.passes.len());
         let ever: BTreeSet<&str> = self.plan.passes.iter().flat_map(writes).collect();
-        for (pass, pipeline) in self.plan.passes.iter().zip(self.pipelines) {
+        let passes = self.plan.passes.iter().zip(self.pipelines);
+        for ((pass, pipeline), zeroed) in passes.zip(&self.uses.zeroes) {
             let mut clears = Vec::new();
             for name in reads(pass) {
                 // Read first and written later: what is read is not to be the last frame's.
@@ -163,11 +130,18 @@ impl Builder<'_> {
                     Work::Compute(self.workgroups(pass)?)
                 }
             };
+            let bindings = binder.bind(pass, &pipeline.layout)?;
+            let buffers = &self.resources.buffers;
             steps.push(Step {
                 name: pass.name.clone(),
+                zeroes: zeroed
+                    .iter()
+                    .filter_map(|&name| buffers.get(name).cloned())
+                    .collect(),
                 clears,
                 pipeline: pipeline.clone(),
-                bindings: binder.bind(pass, &pipeline.layout)?,
+                bindings,
+                host_uses: std::mem::take(&mut binder.host_uses),
                 work,
             });
         }

@@ -1,7 +1,7 @@
 //! What one camera sees of a scene, as far as it can be told from boxes around its objects.
 
 use glam::{DVec2, DVec3, UVec2};
-use meniscus_scene::{Scene, View, WaterGeometry};
+use meniscus_scene::{Camera, Scene, View, Water, WaterGeometry};
 
 use crate::facts::Facts;
 
@@ -94,12 +94,52 @@ impl SceneBounds {
     }
 }
 
+/// The water as an eye finds it.
+struct Surface {
+    displaced: bool,
+    /// How far waves that rays meet reach from the rest plane at most, metres.
+    reach: f64,
+    /// z of the rest plane as the shaders know it, so that both draw the line at the same height.
+    level: f64,
+    /// 1 with the eye above the rest plane or on it, −1 below.
+    up: f64,
+    /// Whether the eye is so near the surface that any ray may meet it, and that either side may be
+    /// taken for the camera's.
+    amid: bool,
+}
+
+impl Surface {
+    fn of(water: &Water, camera: &Camera) -> Self {
+        let displaced = !water.is_flat() && water.geometry == WaterGeometry::Displaced;
+        let reach = if displaced { water.height_bound() } else { 0.0 };
+        let level = f64::from(water.level as f32);
+        let above_rest = camera.eye.z - level;
+        Self {
+            displaced,
+            reach,
+            level,
+            up: if above_rest < 0.0 { -1.0 } else { 1.0 },
+            amid: above_rest.abs() <= reach + ROUNDING * (1.0 + level.abs()),
+        }
+    }
+}
+
 impl Rect {
     /// All pixels of a frame.
     pub fn all(size: UVec2) -> Self {
         Self {
             low: UVec2::ZERO,
             high: size,
+        }
+    }
+
+    /// The pixels of a frame of `size` pixels that may show water, whatever stands before it; none
+    /// where no pixel does.
+    pub fn of_water(water: &Water, camera: &Camera, size: UVec2) -> Option<Self> {
+        let surface = Surface::of(water, camera);
+        match surface.amid {
+            true => Some(Self::all(size)),
+            false => below_horizon(&camera.view(size), surface.up),
         }
     }
 
@@ -115,24 +155,20 @@ impl Outlook {
     pub fn new(scene: &Scene, bounds: &SceneBounds, size: UVec2) -> Self {
         let water = &scene.water;
         let waves = !water.is_flat();
-        let displaced = waves && water.geometry == WaterGeometry::Displaced;
-        let reach = if displaced { water.height_bound() } else { 0.0 };
         let view = scene.camera.view(size);
-        // As the shaders know it, so that both draw the line at the same height.
-        let level = f64::from(water.level as f32);
-        let above_rest = scene.camera.eye.z - level;
+        let Surface {
+            displaced,
+            reach,
+            level,
+            up,
+            amid,
+        } = Surface::of(water, &scene.camera);
         let surface = match displaced {
             true => water.level + water.height(scene.camera.eye.truncate()),
             false => water.level,
         };
         let submerged = scene.camera.eye.z < surface;
-        // So near the surface, any ray may meet it, and either side may be taken for the camera's.
-        let amid = above_rest.abs() <= reach + ROUNDING * (1.0 + level.abs());
-        let up = if above_rest < 0.0 { -1.0 } else { 1.0 };
-        let rect = match amid {
-            true => Some(Rect::all(size)),
-            false => below_horizon(&view, up),
-        };
+        let rect = Rect::of_water(water, &scene.camera, size);
         let [mut near, mut far, mut straddling] = [Counted::default(); 3];
         let mut near_in_frame = false;
         for object in &bounds.0 {

@@ -4,5 +4,6 @@ mod build;
 mod drawing;
 mod failing;
 mod passes;
+mod skipping;
 mod timing;
 mod views;
