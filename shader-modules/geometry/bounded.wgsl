@@ -7,6 +7,7 @@
 // slots: first: intersect, then: intersect
 // number bound_px: 0 to 64 px, step 0.05
 // domain: intersect(texel -100 to 1e4)
+// identity when not waves: exactly
 
 override bound_px: f32 = 0.25;
 

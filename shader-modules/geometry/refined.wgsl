@@ -8,6 +8,7 @@
 // number taps: 1 to 8, step 1
 // number enough_px: 0 to 64 px, step 0.01
 // domain: intersect(texel -100 to 1e4)
+// identity when not waves: exactly
 
 override taps: i32 = 2;
 override enough_px: f32 = 0.01;

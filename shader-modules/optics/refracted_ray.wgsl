@@ -4,6 +4,7 @@
 // provides: deflect
 // needs: geometry/ray, optics/deflected, optics/snell, water/body
 // domain: deflect(normal unit)
+// identity when not waves and not camera_submerged: within 0.01 px
 
 fn deflect(incident: Ray, normal: vec3f) -> Deflected {
     let behind = refracted(incident.direction, normal, water.relative_index);

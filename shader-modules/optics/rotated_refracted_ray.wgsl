@@ -5,6 +5,7 @@
 // provides: deflect
 // needs: geometry/ray, geometry/rotation, optics/deflected, optics/snell, water/body
 // domain: deflect(normal unit)
+// identity when not waves and not camera_submerged: within 0.01 px
 
 fn deflect(incident: Ray, normal: vec3f) -> Deflected {
     let up = vec3f(0.0, 0.0, 1.0);

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use meniscus_shader::Library;
+use meniscus_shader::{Library, Name};
 use meniscus_source::ron::Spanned;
 use meniscus_source::{Diagnostic, Report};
 
@@ -195,7 +195,8 @@ fn unknown(rule: &Spanned<String>, name: &str) -> Diagnostic {
     unknown.with_suggestion(name, KNOWN.iter().map(|(known, _)| *known))
 }
 
-/// Whether the `when` lines of a library's slots name known facts.
+/// Whether the `when` lines of a library's slots, and the `identity` lines of its modules, name known
+/// facts.
 pub fn check_facts(library: &Library) -> Report {
     let mut report = Report::default();
     for module in library.modules() {
@@ -209,8 +210,21 @@ pub fn check_facts(library: &Library) -> Report {
                 );
             }
         }
+        if let Some(identity) = &module.header.identity
+            && let Err(unknown) = Facts::default().hold(&rule_of(&identity.rule))
+        {
+            report.extend(unknown);
+        }
     }
     report
+}
+
+/// A rule that stands in a module's header.
+pub(crate) fn rule_of(name: &Name) -> Spanned<String> {
+    Spanned {
+        value: name.text.clone(),
+        place: Some(name.place.clone()),
+    }
 }
 
 #[cfg(test)]
@@ -280,5 +294,21 @@ mod tests {
             );
         }
         assert!(!read("not waves").is_ok());
+    }
+
+    #[test]
+    fn a_module_that_is_the_identity_under_an_unknown_fact_is_told_where() {
+        let text = "// A.\n//\n// provides: light\n// identity when not wafes: exactly\n\nfn light() -> f32 {\n    return 1.0;\n}\n";
+        let slot = "// Light.\n\nfn light() -> f32 {\n    return 0.0;\n}\n";
+        let file = |name: &str, text: &str| SourceFile::new(name, text.to_owned());
+        let (library, _) = Library::new([
+            ("slots/light", file("slots/light.wgsl", slot)),
+            ("a/lamp", file("a/lamp.wgsl", text)),
+        ]);
+        let said = check_facts(&library).to_string();
+        assert!(
+            said.contains("lamp.wgsl:4:") && said.contains("did you mean `waves`?"),
+            "{said}"
+        );
     }
 }

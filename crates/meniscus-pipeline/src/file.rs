@@ -87,14 +87,20 @@ pub(crate) enum Step {
     Screen(ScreenFile),
     Compute(ComputeFile),
     Repeat(RepeatFile),
+    Shortcut(ShortcutFile),
 }
 
 #[derive(Debug, Clone, Deserialize)]
 #[serde(rename = "Draw", deny_unknown_fields)]
 pub(crate) struct DrawFile {
     pub name: Spanned<String>,
-    pub skeleton: Spanned<String>,
-    pub geometry: Geometry,
+    /// Passes whose skeleton, geometry and fillings it takes over where it says nothing itself.
+    #[serde(default)]
+    pub like: Vec<Spanned<String>>,
+    #[serde(default)]
+    pub skeleton: Option<Spanned<String>>,
+    #[serde(default)]
+    pub geometry: Option<Geometry>,
     #[serde(default)]
     pub when: Option<Spanned<String>>,
     #[serde(default)]
@@ -140,6 +146,21 @@ pub(crate) struct ComputeFile {
 #[serde(rename = "Repeat", deny_unknown_fields)]
 pub(crate) struct RepeatFile {
     pub times: Spanned<u32>,
+    pub sequence: Vec<Step>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(rename = "Shortcut", deny_unknown_fields)]
+pub(crate) struct ShortcutFile {
+    pub name: Spanned<String>,
+    /// The passes that it stands for.
+    pub instead_of: Vec<Spanned<String>>,
+    /// Slots (PASS.SLOT) whose fillings have to say that they are the identity.
+    #[serde(default)]
+    pub identity: Vec<Spanned<String>>,
+    /// Slots (PASS.SLOT) with the modules that have to fill them.
+    #[serde(default)]
+    pub filled: Entries<Spanned<String>>,
     pub sequence: Vec<Step>,
 }
 

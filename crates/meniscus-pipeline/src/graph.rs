@@ -1,13 +1,14 @@
 //! A pipeline as a graph: what each pass reads and writes, in the DOT language of Graphviz and as a
 //! picture of our own.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use meniscus_shader::{BindingKind, Filling};
+use meniscus_shader::Filling;
 
 use crate::pipeline::Pipeline;
 use crate::plan::{Plan, PlannedPass};
+use crate::uses::Uses;
 
 /// Widths of two letters, height of a line and space around texts in the picture, in its units.
 const TWO_LETTERS: usize = 15;
@@ -15,12 +16,6 @@ const LINE: usize = 16;
 const SPACE: usize = 12;
 /// Height of the lane of a texture or buffer.
 const LANE: usize = 34;
-
-/// What of a plan's textures and buffers a pass reads and writes.
-struct Uses<'p> {
-    reads: BTreeSet<&'p str>,
-    writes: BTreeSet<&'p str>,
-}
 
 impl Plan {
     /// Passes (boxes, in the order they run, with what fills their slots) and what lies between them
@@ -185,41 +180,6 @@ impl Plan {
             .iter()
             .map(|(name, buffer)| (name.as_str(), buffer.to_string()));
         textures.chain(buffers)
-    }
-
-    fn uses<'p>(&'p self, pass: &'p PlannedPass) -> Uses<'p> {
-        let known =
-            |name: &str| self.textures.contains_key(name) || self.buffers.contains_key(name);
-        let mut uses = Uses {
-            reads: BTreeSet::new(),
-            writes: pass
-                .targets
-                .iter()
-                .chain(&pass.depth)
-                .map(String::as_str)
-                .collect(),
-        };
-        for binding in &pass.shader.bindings {
-            let name = binding.resource.as_str();
-            if !known(name) || pass.targets.iter().any(|target| target == name) {
-                continue;
-            }
-            let (reads, writes) = match binding.kind {
-                BindingKind::Storage { read_only, .. } => (true, !read_only),
-                BindingKind::StorageTexture { reads, .. } => (reads, true),
-                _ => (true, false),
-            };
-            if reads {
-                uses.reads.insert(name);
-            }
-            if writes {
-                uses.writes.insert(name);
-            }
-        }
-        if let crate::plan::PassKind::DispatchIndirect(arguments) = &pass.kind {
-            uses.reads.insert(arguments);
-        }
-        uses
     }
 }
 

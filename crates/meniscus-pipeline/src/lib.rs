@@ -1,5 +1,8 @@
 //! Pipelines declared in RON: variants, facts, plans, without a GPU.
 
+mod checks;
+mod choose;
+mod composed;
 mod diff;
 mod facts;
 mod file;
@@ -9,8 +12,14 @@ mod interface;
 mod outlook;
 mod pipeline;
 mod plan;
+mod plan_cache;
 mod planner;
+mod rules;
 mod schema;
+mod shortcut;
+mod steps;
+mod sweep;
+mod uses;
 mod variant;
 
 pub use diff::diff;
@@ -21,4 +30,7 @@ pub use pipeline::{Pass, PassOver, Pipeline, Pipelines};
 pub use plan::{
     Buffer, Covers, Format, Geometry, PassKind, Plan, PlannedPass, Pruning, Size, Texture,
 };
+pub use plan_cache::PlanCache;
+pub use rules::{Dropped, Promise, Rule};
 pub use schema::SCHEMA;
+pub use shortcut::Shortcut;

@@ -7,16 +7,14 @@ use meniscus_shader::Filling;
 use meniscus_source::ron::{Entries, Spanned, from_source};
 use meniscus_source::{Diagnostic, Report, SourceFile};
 
-use crate::file::{
-    self, BufferFile, Dispatch, File, Over, PipelineFile, Runs, Step, TextureFile, Value,
-};
+use crate::file::{self, BufferFile, Dispatch, File, Over, PipelineFile, Runs, TextureFile, Value};
 use crate::plan::{Buffer, Geometry, Texture};
+use crate::shortcut::Shortcut;
+use crate::steps::Steps;
 use crate::variant;
 
 /// The longest chain of variants of variants.
 const MAX_CHAIN: usize = 16;
-/// The most passes of a pipeline, repetitions counted.
-const MAX_PASSES: usize = 1024;
 
 /// A pipeline: sequences, and the textures and buffers between them.
 #[derive(Debug, Clone)]
@@ -33,8 +31,10 @@ pub struct Pipeline {
     pub buffers: BTreeMap<String, Spanned<Buffer>>,
     /// Buffers that hold lists of pixels which results count, by the name of what is counted.
     pub lists: BTreeMap<String, Spanned<String>>,
-    /// Passes in order.
+    /// Passes in order, those of shortcuts where they would run.
     pub passes: Vec<Pass>,
+    /// Shorter ways to the same picture, by name.
+    pub shortcuts: BTreeMap<String, Shortcut>,
     /// The texture that comes out.
     pub output: Spanned<String>,
 }
@@ -44,6 +44,11 @@ pub struct Pipeline {
 pub struct Pass {
     /// Unique within the pipeline.
     pub name: Spanned<String>,
+    /// The shortcut that it belongs to.
+    pub shortcut: Option<String>,
+    /// Passes whose fillings it takes over where it has none of its own, the first one's numbers and
+    /// connections too.
+    pub like: Vec<Spanned<String>>,
     /// What it runs over.
     pub over: PassOver,
     /// The skeleton's path.
@@ -166,9 +171,12 @@ fn build(name: &str, read: PipelineFile) -> Result<Pipeline, Report> {
         buffers: buffers(read.buffers),
         lists: file::connections(&read.lists),
         passes: Vec::new(),
+        shortcuts: BTreeMap::new(),
         output: read.output.colour,
     };
-    add_steps(&mut pipeline.passes, read.sequence, "", &mut report);
+    let mut steps = Steps::default();
+    steps.add(read.sequence, "");
+    steps.end(&mut pipeline, None, &mut report);
     report.into_result(pipeline)
 }
 
@@ -196,136 +204,6 @@ pub(crate) fn buffers(declared: Entries<BufferFile>) -> BTreeMap<String, Spanned
         (key.value, Spanned { value, place })
     };
     declared.0.into_iter().map(placed).collect()
-}
-
-/// How many passes steps come to.
-fn count(steps: &[Step]) -> usize {
-    let one = |step: &Step| match step {
-        // An empty repetition costs time, too.
-        Step::Repeat(repeat) => (repeat.times.value as usize)
-            .saturating_mul(count(&repeat.sequence))
-            .max(1),
-        _ => 1,
-    };
-    steps.iter().map(one).fold(0, usize::saturating_add).max(1)
-}
-
-/// Unrolls steps into passes; those of a repetition are numbered from 1.
-pub(crate) fn add_steps(
-    passes: &mut Vec<Pass>,
-    steps: Vec<Step>,
-    suffix: &str,
-    report: &mut Report,
-) {
-    for step in steps {
-        let pass = match step {
-            Step::Draw(d) => (
-                d.name,
-                PassOver::Draw(d.geometry),
-                d.skeleton,
-                d.when,
-                d.slots,
-                d.reads,
-                d.writes,
-            ),
-            Step::Screen(s) => (
-                s.name,
-                PassOver::Screen(s.over, s.runs),
-                s.skeleton,
-                s.when,
-                s.slots,
-                s.reads,
-                s.writes,
-            ),
-            Step::Compute(c) => (
-                c.name,
-                PassOver::Compute(c.dispatch),
-                c.skeleton,
-                c.when,
-                c.slots,
-                c.reads,
-                Entries::default(),
-            ),
-            Step::Repeat(repeat) => {
-                let times = repeat.times.value as usize;
-                let all = times
-                    .saturating_mul(count(&repeat.sequence))
-                    .saturating_add(passes.len());
-                if times == 0 || all > MAX_PASSES {
-                    let wrong = Diagnostic::error(format!(
-                        "a pipeline has 1 to {MAX_PASSES} passes, repetitions counted"
-                    ));
-                    report.add(match &repeat.times.place {
-                        Some(place) => wrong.at(place, "so many times"),
-                        None => wrong,
-                    });
-                    continue;
-                }
-                for time in 1..=times {
-                    add_steps(
-                        passes,
-                        repeat.sequence.clone(),
-                        &format!("{suffix}.{time}"),
-                        report,
-                    );
-                }
-                continue;
-            }
-        };
-        let (mut name, over, skeleton, when, slots, reads, writes) = pass;
-        if passes.len() >= MAX_PASSES {
-            let many = Diagnostic::error(format!(
-                "a pipeline has 1 to {MAX_PASSES} passes, repetitions counted"
-            ));
-            report.add(match &name.place {
-                Some(place) => many.at(place, "one too many"),
-                None => many,
-            });
-            return;
-        }
-        name.value.push_str(suffix);
-        if let Some(first) = passes.iter().find(|p| p.name.value == name.value) {
-            let mut twice = Diagnostic::error(format!("two passes are called `{}`", name.value));
-            if let (Some(second), Some(first)) = (&name.place, &first.name.place) {
-                twice = twice
-                    .at(second, "the second")
-                    .see(first, "the first")
-                    .with_help("give it another name");
-            }
-            report.add(twice);
-        }
-        let mut filled = BTreeMap::new();
-        let mut numbers = BTreeMap::new();
-        for (slot, value) in slots.iter() {
-            if let Value::Number(number) = value.value {
-                let place = value.place.clone();
-                numbers.insert(
-                    slot.value.clone(),
-                    Spanned {
-                        value: number,
-                        place,
-                    },
-                );
-                continue;
-            }
-            match file::filling(slot, value) {
-                Ok(filling) => {
-                    filled.insert(slot.value.clone(), filling);
-                }
-                Err(wrong) => report.add(wrong),
-            }
-        }
-        passes.push(Pass {
-            name,
-            over,
-            skeleton,
-            when,
-            slots: filled,
-            numbers,
-            reads: file::connections(&reads),
-            writes: writes.0,
-        });
-    }
 }
 
 impl Pipeline {

@@ -14,7 +14,7 @@ mod tests {
     use super::SCHEMA;
     use crate::file::{
         BufferFile, ComputeFile, Dispatch, DrawFile, File, OutputFile, Over, PipelineFile,
-        RepeatFile, Runs, ScreenFile, Step, TextureFile, VariantFile,
+        RepeatFile, Runs, ScreenFile, ShortcutFile, Step, TextureFile, VariantFile,
     };
     use crate::plan::{Format, Geometry, Size};
 
@@ -101,6 +101,7 @@ mod tests {
             parts::<ScreenFile>(),
             parts::<ComputeFile>(),
             parts::<RepeatFile>(),
+            parts::<ShortcutFile>(),
         ] {
             let declared = &schema["$defs"][&name];
             let properties = declared["properties"].as_object().expect("properties");

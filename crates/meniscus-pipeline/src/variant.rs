@@ -5,6 +5,7 @@ use meniscus_source::{Diagnostic, Report};
 
 use crate::file::{self, Value, VariantFile};
 use crate::pipeline::{self, Pipeline};
+use crate::steps::Steps;
 
 /// Changes a pipeline as a variant says: what it removes, what it adds, what it sets.
 ///
@@ -23,17 +24,19 @@ pub(crate) fn apply(pipeline: &mut Pipeline, variant: VariantFile) -> Result<(),
         match position(pipeline, &after) {
             Err(unknown) => report.add(unknown),
             Ok(at) => {
-                let mut passes = pipeline.passes.clone();
-                pipeline::add_steps(&mut passes, steps, "", &mut report);
-                let added = passes.split_off(pipeline.passes.len());
-                pipeline.passes.splice(at + 1..at + 1, added);
+                let mut added = Steps::behind(pipeline);
+                added.add(steps, "");
+                added.end(pipeline, Some(at), &mut report);
             }
         }
     }
     for name in &variant.remove {
         match position(pipeline, name) {
             Err(unknown) => report.add(unknown),
-            Ok(at) => drop(pipeline.passes.remove(at)),
+            Ok(at) => {
+                pipeline.passes.remove(at);
+                pipeline.forget(&name.value);
+            }
         }
     }
     for (key, value) in variant.set.iter() {
@@ -64,6 +67,18 @@ fn position(pipeline: &Pipeline, name: &Spanned<String>) -> Result<usize, Diagno
 }
 
 impl Pipeline {
+    /// Takes away the shortcuts that refer to a pass which is gone, and their passes.
+    fn forget(&mut self, pass: &str) {
+        let named = |p: &pipeline::Pass| p.like.iter().any(|like| like.value == pass);
+        let with_it = self.passes.iter().filter(|p| named(p));
+        let mut gone: Vec<String> = with_it.filter_map(|p| p.shortcut.clone()).collect();
+        let refer = self.shortcuts.values().filter(|s| s.refers_to(pass));
+        gone.extend(refer.map(|s| s.name.value.clone()));
+        self.shortcuts.retain(|name, _| !gone.contains(name));
+        self.passes
+            .retain(|p| p.shortcut.as_ref().is_none_or(|s| !gone.contains(s)));
+    }
+
     pub(crate) fn put(
         &mut self,
         key: &Spanned<String>,

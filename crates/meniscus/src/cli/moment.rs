@@ -6,7 +6,8 @@ use meniscus::source::{Diagnostic, Report};
 
 #[derive(Debug, Args)]
 pub(crate) struct Moment {
-    /// What holds of the scene: `waves`, `displaced`, `camera_submerged`, joined by commas.
+    /// What holds of the scene: `waves`, `displaced`, `camera_submerged`, joined by commas; or, with
+    /// `not ` before it, does not: `not water_visible`, `not near_visible`, `not far_visible`.
     #[arg(
         long,
         value_name = "FACT,FACT",
@@ -25,10 +26,11 @@ impl Moment {
         let mut report = Report::default();
         // `--facts ''` says that nothing holds.
         for fact in self.facts.iter().filter(|fact| !fact.is_empty()) {
-            if !KNOWN_FACTS.iter().any(|(known, _)| known == fact) {
+            let name = fact.strip_prefix("not ").unwrap_or(fact);
+            if !KNOWN_FACTS.iter().any(|(known, _)| *known == name) {
                 let known = KNOWN_FACTS.iter().map(|(known, _)| *known);
                 let unknown = Diagnostic::error(format!("`--facts {fact}`: there is no such fact"));
-                report.add(unknown.with_suggestion(fact, known));
+                report.add(unknown.with_suggestion(name, known));
             }
         }
         report.into_result(Facts::new(self.facts.iter().map(String::as_str)))
