@@ -8,7 +8,8 @@ use meniscus_source::{Diagnostic, Place, Report};
 use crate::filling::Filling;
 use crate::instance::{Resolver, variables};
 use crate::library::Module;
-use crate::outline::{self, Item, ItemKind};
+use crate::outline::ItemKind;
+use crate::signature;
 
 impl<'l> Resolver<'l, '_> {
     /// A filling provides its slot, with the slot's functions.
@@ -52,54 +53,25 @@ impl<'l> Resolver<'l, '_> {
         }
         let mut kept = true;
         for wanted in slot.functions() {
-            let there = module.item(&wanted.name);
-            let wrong = match there {
-                Some(item) if self.types(module, item) == self.types(slot, wanted) => continue,
-                Some(item) => Diagnostic::error(format!(
-                    "`{}` has not the signature of the slot `{}`",
-                    module.path,
-                    slot.leaf()
-                ))
-                .at(&module.place(signature(module, item)), "this signature")
-                .with_help(format!(
-                    "write `{}`",
-                    one_line(&slot.file.text[signature(slot, wanted)])
-                )),
-                None => Diagnostic::error(format!(
-                    "`{}` provides `{}` but has no function `{}`",
-                    module.path,
-                    slot.leaf(),
-                    wanted.name
-                ))
-                .at(&provides.place, format!("`{}` is missing", wanted.name)),
+            let wrong = match module.item(&wanted.name) {
+                Some(item) => signature::compare(self.library, (module, item), (slot, wanted)),
+                None => Some(
+                    Diagnostic::error(format!(
+                        "`{}` provides `{}` but has no function `{}`",
+                        module.path,
+                        slot.leaf(),
+                        wanted.name
+                    ))
+                    .at(&provides.place, format!("`{}` is missing", wanted.name))
+                    .see(&signature::place_of(slot, wanted), "the slot's signature"),
+                ),
             };
-            kept = false;
-            self.report.add(asked(
-                wrong.see(&slot.place(signature(slot, wanted)), "the slot's signature"),
-            ));
+            if let Some(wrong) = wrong {
+                kept = false;
+                self.report.add(asked(wrong));
+            }
         }
         kept.then_some(())
-    }
-
-    /// The types of a function's parameters and result, aliases resolved.
-    fn types(&self, module: &Module, item: &Item) -> Option<(Vec<String>, String)> {
-        let ItemKind::Function { parameters, result } = &item.kind else {
-            return None;
-        };
-        let closure = self.library.closure(module);
-        let alias = |name: &str| {
-            closure
-                .iter()
-                .find_map(|module| match &module.item(name)?.kind {
-                    ItemKind::Alias(ty) => Some(ty.as_str()),
-                    _ => None,
-                })
-        };
-        let plain = |ty: &str| outline::without_aliases(ty, &alias);
-        Some((
-            parameters.iter().map(|p| plain(&p.ty)).collect(),
-            plain(result),
-        ))
     }
 
     pub fn check_numbers(&mut self, module: &Module, filling: &Filling) {
@@ -194,18 +166,6 @@ impl<'l> Resolver<'l, '_> {
             }
         }
     }
-}
-
-/// From `fn` to the end of the result's type.
-fn signature(module: &Module, item: &crate::outline::Item) -> std::ops::Range<usize> {
-    let text = &module.file.text[item.range.clone()];
-    let end = text.find('{').unwrap_or(text.len());
-    item.range.start..item.range.start + text[..end].trim_end().len()
-}
-
-/// A text on one line.
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// The values that a number of a type can have.

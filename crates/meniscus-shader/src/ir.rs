@@ -45,6 +45,15 @@ pub(crate) fn run_apart<T: Send>(
     run_naga(usize::MAX, run)
 }
 
+/// Parses a small text of the composer's own, made of what a user wrote; none where naga cannot.
+pub(crate) fn parse_apart(text: &str, chain: usize) -> Option<naga::Module> {
+    let parse = || {
+        naga::front::wgsl::parse_str(text)
+            .map_err(|error| Diagnostic::error(error.message().to_owned()).into())
+    };
+    run_naga(chain, parse).ok()
+}
+
 /// Parses and validates a text without entry points.
 ///
 /// # Errors

@@ -40,6 +40,14 @@ pub(crate) fn tokens(text: &str) -> Vec<Token> {
             at += length;
             continue;
         }
+        if byte.is_ascii_punctuation() && !matches!(byte, b'/' | b'.' | b'_') {
+            found.push(Token {
+                kind: Kind::Mark(byte.into()),
+                range: at..at + 1,
+            });
+            at += 1;
+            continue;
+        }
         let rest = &text[at..];
         let Some(c) = rest.chars().next() else { break };
         let (kind, length) = if c.is_whitespace() {

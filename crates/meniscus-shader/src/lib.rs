@@ -22,6 +22,7 @@ mod names;
 mod outline;
 mod predeclared;
 mod shader;
+mod signature;
 mod template;
 mod text;
 

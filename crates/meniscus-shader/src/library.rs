@@ -166,10 +166,12 @@ impl Module {
         let text = &self.file.text;
         let tokens = &self.outline.tokens;
         for (index, token) in tokens.iter().enumerate() {
-            let word = &text[token.range.clone()];
-            if token.kind != Kind::Word {
+            // Nearly all words begin otherwise than those that are looked for.
+            let first = text.as_bytes()[token.range.start];
+            if token.kind != Kind::Word || !b"abdfgstw".contains(&first) {
                 continue;
             }
+            let word = &text[token.range.clone()];
             let before = index.checked_sub(1).map(|i| tokens[i].kind);
             if before == Some(Kind::Mark('@')) && matches!(word, "group" | "binding") {
                 report.add(

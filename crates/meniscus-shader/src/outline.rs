@@ -104,13 +104,7 @@ impl Outline {
         parameters.chain(words::declared(text, tokens))
     }
 
-    fn add(
-        &mut self,
-        text: &str,
-        start: usize,
-        end: usize,
-        spellings: &mut Spellings,
-    ) {
+    fn add(&mut self, text: &str, start: usize, end: usize, spellings: &mut Spellings) {
         let part = &self.tokens[start..end];
         let range = part[0].range.start..part[end - start - 1].range.end;
         let word = |token: &Token| token.kind == Kind::Word;

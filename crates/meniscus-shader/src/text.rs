@@ -333,7 +333,7 @@ fn collect<'p>(instances: &'p Instances, names: &'p [Names], report: &mut Report
 }
 
 /// The longest chain of operators, accesses, brackets or `else if`s that is handed to naga.
-const MAX_CHAIN: usize = 1000;
+pub(crate) const MAX_CHAIN: usize = 1000;
 
 fn too_long(module: &Module, item: &Item) -> Diagnostic {
     let token = &module.outline.tokens[item.chain.1];

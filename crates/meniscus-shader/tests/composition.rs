@@ -508,3 +508,23 @@ fn the_text_says_what_runs() {
         assert_eq!(again(&parsed), again(&shader.module), "{stage:?}");
     }
 }
+
+#[test]
+fn signatures_are_compared_by_what_their_types_are() {
+    let slot = "// T.\n//\n// needs: geometry/ray\n\nalias Texel = vec2<f32>;\n\nconst COUNT = 3;\n\nfn tapped(ray: Ray, at: Texel, weights: array<f32, COUNT>) -> mat3x3f {\n    return mat3x3f();\n}\n";
+    let filling = "// F.\n//\n// provides: tapped\n// needs: geometry/ray\n\nalias Weights = array<f32, 2 + 1>;\n\nfn tapped(r: Ray, texel: vec2f, w: Weights) -> mat3x3<f32> {\n    return mat3x3f(r.origin * w[0], vec3f(texel, w[1]), vec3f());\n}\n";
+    let check = |filling: &str| {
+        let composer = composer(&[("slots/tapped", slot), ("geometry/tapping", filling)]);
+        composer.check_module("geometry/tapping")
+    };
+    assert_eq!(check(filling).to_string(), "");
+    // Another length, another kind of scalar, another order: each is another type.
+    for (was, is) in [
+        ("2 + 1", "2 + 2"),
+        ("texel: vec2f", "texel: vec2i"),
+        ("mat3x3<f32>", "mat3x4<f32>"),
+    ] {
+        let report = check(&filling.replace(was, is)).to_string();
+        assert!(report.contains("has not the signature"), "{is}: {report}");
+    }
+}

@@ -175,6 +175,39 @@ fn fillings_that_do_not_fit() {
         report.contains("slots/deflect.wgsl:5:1") && report.contains("pipeline.ron:2:4"),
         "{report}"
     );
+    for (name, types, words) in [
+        (
+            "wrong_parameter",
+            "ray: vec2<f32>",
+            "`ray` is `vec2f`, in the slot `Ray`",
+        ),
+        (
+            "wrong_result",
+            "ray: Ray) -> vec3f { return ray.origin; }\nfn other(x: f32",
+            "gives `vec3f`, the slot `Ray`",
+        ),
+    ] {
+        let text = format!(
+            "// A.\n//\n// provides: deflect\n// needs: geometry/ray\n\nfn deflect({types}) -> Ray {{\n    return Ray();\n}}\n"
+        );
+        recipe_fault(
+            name,
+            &[("a", &text)],
+            &recipe(&[("deflect", plain("a"))]),
+            "a.wgsl:6:",
+            words,
+            "the module has fn deflect(",
+        );
+    }
+    let own = "// A.\n//\n// provides: deflect\n\nstruct Ray {\n    origin: vec3f,\n}\n\nfn deflect(ray: Ray) -> Ray {\n    return ray;\n}\n";
+    recipe_fault(
+        "struct_of_its_own",
+        &[("a", own)],
+        &recipe(&[("deflect", plain("a"))]),
+        "a.wgsl:9:12",
+        "`ray` is the `Ray` of `a`, in the slot the `Ray` of `geometry/ray`",
+        "take the types from where the slot has them: `// needs: geometry/ray`",
+    );
     recipe_fault(
         "missing_function",
         &[("a", "// A.\n//\n// provides: deflect\n")],
