@@ -96,3 +96,66 @@ pub(crate) fn decode(format: Format, row: &[u8], out: &mut Vec<f32>) {
         }
     }
 }
+
+/// A row of texels as four words each: bits of single precision, or unsigned integers as they are;
+/// absent channels are 0, 0 and 1.
+pub(crate) fn words(format: Format, row: &[u8], out: &mut Vec<[u32; 4]>) {
+    if let Format::R32Uint | Format::Rgba32Uint = format {
+        for texel in row.chunks_exact(texel_bytes(format) as usize) {
+            let mut words = [0, 0, 0, 1];
+            for (word, bytes) in words.iter_mut().zip(texel.chunks_exact(4)) {
+                *word = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+            }
+            out.push(words);
+        }
+        return;
+    }
+    let mut numbers = Vec::with_capacity(row.len());
+    decode(format, row, &mut numbers);
+    for texel in numbers.chunks_exact(channels(format)) {
+        let mut words = [0, 0, 0, 1.0_f32.to_bits()];
+        for (word, number) in words.iter_mut().zip(texel) {
+            *word = number.to_bits();
+        }
+        out.push(words);
+    }
+}
+
+/// The bytes of texels that are given as [`words`] tells them.
+pub(crate) fn encode(format: Format, texels: &[[u32; 4]]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(texels.len() * texel_bytes(format) as usize);
+    for &word in texels.iter().flat_map(|texel| &texel[..channels(format)]) {
+        let number = f32::from_bits(word);
+        match format {
+            // What is no number becomes 0 in the conversion to integers.
+            Format::Rgba8Unorm => bytes.push((number.clamp(0.0, 1.0) * 255.0).round() as u8),
+            Format::Rgba16Float => bytes.extend(half::f16::from_f32(number).to_le_bytes()),
+            _ => bytes.extend(word.to_le_bytes()),
+        }
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texels_go_there_and_back() {
+        for format in [
+            Format::R32Float,
+            Format::Rg32Float,
+            Format::R32Uint,
+            Format::Rgba8Unorm,
+            Format::Rgba16Float,
+            Format::Rgba32Float,
+            Format::Rgba32Uint,
+        ] {
+            let bytes: Vec<u8> = (0..texel_bytes(format) * 5).map(|i| i as u8 * 7).collect();
+            let mut texels = Vec::new();
+            words(format, &bytes, &mut texels);
+            assert_eq!(texels.len(), 5, "{format:?}");
+            assert_eq!(encode(format, &texels), bytes, "{format:?}");
+        }
+    }
+}

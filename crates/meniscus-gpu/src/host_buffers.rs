@@ -148,7 +148,8 @@ impl HostBuffers {
     }
 }
 
-fn bytes(
+/// The bytes of a block or array, in the layout that a shader declares.
+pub(crate) fn bytes(
     resource: &str,
     shader: &Shader,
     ty: Handle<Type>,

@@ -39,14 +39,32 @@ pub(crate) fn texture(
     format: Format,
     size: UVec2,
 ) -> Result<Pixels, GpuError> {
+    let channels = formats::channels(format);
+    let mut data = Vec::with_capacity(size.x as usize * size.y as usize * channels);
+    rows(gpu, texture, format, size, |row| {
+        formats::decode(format, row, &mut data)
+    })?;
+    Ok(Pixels {
+        size,
+        channels,
+        data,
+    })
+}
+
+/// Hands the rows of a texture to `use_row` as bytes, from the top.
+pub(crate) fn rows(
+    gpu: &Gpu,
+    texture: &wgpu::Texture,
+    format: Format,
+    size: UVec2,
+    mut use_row: impl FnMut(&[u8]),
+) -> Result<(), GpuError> {
     let row = size.x * formats::texel_bytes(format);
     let pitch = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let rows = u32::try_from(BAND_BYTES / u64::from(pitch))
         .unwrap_or(u32::MAX)
         .clamp(1, size.y);
     let staging = staging(gpu, u64::from(pitch) * u64::from(rows))?;
-    let channels = formats::channels(format);
-    let mut data = Vec::with_capacity(size.x as usize * size.y as usize * channels);
     for top in (0..size.y).step_by(rows as usize) {
         let height = rows.min(size.y - top);
         gpu.attempt("copying a texture", || {
@@ -76,15 +94,11 @@ pub(crate) fn texture(
         })?;
         mapped(gpu, &staging, |bytes| {
             for line in bytes.chunks_exact(pitch as usize).take(height as usize) {
-                formats::decode(format, &line[..row as usize], &mut data);
+                use_row(&line[..row as usize]);
             }
         })?;
     }
-    Ok(Pixels {
-        size,
-        channels,
-        data,
-    })
+    Ok(())
 }
 
 /// Reads a buffer; its length is a multiple of four.

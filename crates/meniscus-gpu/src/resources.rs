@@ -184,6 +184,10 @@ fn target(gpu: &Gpu, name: &str, wanted: &Wanted<Kind>, memory: usize) -> Result
     if stored {
         usage |= wgpu::TextureUsages::STORAGE_BINDING;
     }
+    // Depth cannot be copied into on every adapter.
+    if !formats::is_depth(format) {
+        usage |= wgpu::TextureUsages::COPY_DST;
+    }
     let descriptor = wgpu::TextureDescriptor {
         label: Some(name),
         size: wgpu::Extent3d {

@@ -107,19 +107,7 @@ impl SceneArrays {
         if let Some(known) = held.iter().find(same) {
             return Ok(known.buffer.clone());
         }
-        let module = &pass.shader.module;
-        let bytes = if is_of_distances(array) {
-            let [level, waves] = self.water;
-            let field = || DistanceField::new(&self.mesh, level, waves);
-            let field = self.distances.get_or_init(field);
-            let column = |member: &str| field.column(array, member);
-            layout::column_bytes(module, ty, field.length(array), column)
-        } else {
-            let tracing = self.tracing.get_or_init(|| Tracing::new(&self.mesh));
-            let column = |member: &str| tracing.column(array, member);
-            layout::column_bytes(module, ty, tracing.length(array), column)
-        }
-        .map_err(|problem| {
+        let bytes = self.laid_out(pass, binding, ty).map_err(|problem| {
             GpuError::Plan(format!(
                 "pass `{}` cannot read `{array}`: {problem}",
                 pass.name
@@ -151,6 +139,30 @@ impl SceneArrays {
             buffer: buffer.clone(),
         });
         Ok(buffer)
+    }
+
+    /// The bytes of an array, in the layout that a shader declares.
+    ///
+    /// # Errors
+    /// When the shader declares other members.
+    pub fn laid_out(
+        &self,
+        pass: &PlannedPass,
+        binding: &Binding,
+        ty: Handle<Type>,
+    ) -> Result<Vec<u8>, String> {
+        let (array, module) = (binding.resource.as_str(), &pass.shader.module);
+        if is_of_distances(array) {
+            let [level, waves] = self.water;
+            let field = || DistanceField::new(&self.mesh, level, waves);
+            let field = self.distances.get_or_init(field);
+            let column = |member: &str| field.column(array, member);
+            layout::column_bytes(module, ty, field.length(array), column)
+        } else {
+            let tracing = self.tracing.get_or_init(|| Tracing::new(&self.mesh));
+            let column = |member: &str| tracing.column(array, member);
+            layout::column_bytes(module, ty, tracing.length(array), column)
+        }
     }
 
     fn held(&self) -> std::sync::MutexGuard<'_, Vec<Uploaded>> {

@@ -281,7 +281,8 @@ impl SceneBuffers {
     }
 }
 
-fn heights(scene: &Scene) -> [f64; 2] {
+/// The lowest and highest z of what is drawn and of the rest plane.
+pub(crate) fn heights(scene: &Scene) -> [f64; 2] {
     let corners = scene.mesh.triangles.iter().flat_map(|t| t.corners);
     let heights = corners.map(|c| f64::from(scene.mesh.positions[c as usize].z));
     heights.fold([scene.water.level; 2], |[low, high], z| {

@@ -6,6 +6,7 @@
 //! crates of their own and re-exported here.
 
 mod ablation;
+mod device_run;
 mod facts;
 mod judging;
 mod marginal;
@@ -23,6 +24,7 @@ mod truth;
 mod warnings;
 
 pub use ablation::{Ablation, AblationError, Outcome, Progress, RowOutcome};
+pub use device_run::{Device, PassDifference, PassError, Passes, bound, colours};
 pub use facts::{facts_of, outlook_of};
 pub use marginal::{Without, leave_one_out, table as marginal_table};
 pub use output::write_directory;
@@ -32,9 +34,13 @@ pub use project::{Project, Sources};
 pub use report::{Beside, report, sweep_report};
 pub use rounds::{Rounds, Until};
 pub use scene_stress::{Distance, SceneCheck, SceneFailure, SceneStress, StressedScenes, oddity_names};
+pub use scene_stress::{
+    Distance, SceneCheck, SceneFailure, SceneStress, StressedScenes, oddity_names,
+};
 pub use sweep::{Axis, Partition, fingerprint, points};
 pub use warnings::gathered_warnings;
 
+pub use meniscus_cpu as cpu;
 pub use meniscus_gpu as gpu;
 pub use meniscus_measure as measure;
 pub use meniscus_pipeline as pipeline;

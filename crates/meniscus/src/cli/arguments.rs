@@ -53,10 +53,15 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub fn sources(&self) -> Sources {
+        let mut scenes = self.scenes.clone();
+        if let Command::Stress(stress) = &self.command {
+            // There the word stands for a number of scenes, too.
+            scenes.retain(|folder| stress.random.number(folder).is_none());
+        }
         Sources {
             modules: self.modules.clone(),
             pipelines: self.pipelines.clone(),
-            scenes: self.scenes.clone(),
+            scenes,
         }
     }
 }
@@ -77,6 +82,10 @@ pub(crate) enum Command {
     New(super::new_module::New),
     /// Render one pipeline to a PNG.
     Render(Render),
+    /// Run a pipeline pass by pass, compute and screen passes on the CPU.
+    ///
+    /// The shaders that a GPU runs are evaluated on all cores; draws take a GPU.
+    Run(Box<super::run::Run>),
     /// Render pipelines beside each other and beside ray-traced truth: time and error in one table.
     Ablate(Box<Ablate>),
     /// Join the results of parts of a sweep.
@@ -285,7 +294,8 @@ pub(crate) enum Numbers {
 
 #[derive(Debug, Args)]
 pub(crate) struct Stress {
-    /// The module, or one function of it; all that declare a domain if none is given.
+    /// The module, or one function of it; all that declare a domain if none is given. With --scenes
+    /// or --scene a pipeline, `refraction/*` for many.
     #[arg(value_name = "MODULE[:FUNCTION]")]
     pub target: Option<String>,
     /// Go on searching for this long per function.
@@ -309,6 +319,8 @@ pub(crate) struct Stress {
     pub worst: Option<PathBuf>,
     #[command(flatten)]
     pub surroundings: Surroundings,
+    #[command(flatten)]
+    pub random: super::stress_scenes::RandomScenes,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -332,7 +344,7 @@ fn share(text: &str) -> Result<f64, String> {
     allowed.ok_or_else(|| format!("`{text}` is no share from 0.0001 to 1, such as 0.02"))
 }
 
-fn size(text: &str) -> Result<[u32; 2], String> {
+pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || format!("`{text}` is no size; write WIDTHxHEIGHT in pixels, such as 640x360");
     let (width, height) = text.split_once(['x', '×']).ok_or_else(wrong)?;
     let number = |text: &str| text.trim().parse::<u32>().map_err(|_| wrong());

@@ -15,9 +15,11 @@ mod new_module;
 mod outputs;
 mod progress;
 mod render;
+mod run;
 mod say;
 mod schema;
 mod stress;
+mod stress_scenes;
 mod sweep;
 
 use std::process::ExitCode;
@@ -108,11 +110,15 @@ fn execute(arguments: Arguments) -> Result<(), Failure> {
         Command::Graph(graph) => graph::run(&project, &graph),
         Command::New(new) => new_module::run(&project, &new),
         Command::Render(render) => render::run(&project, &render),
+        Command::Run(asked) => run::run(&project, &asked),
         Command::Ablate(ablate) => ablate::run(&project, &ablate),
         Command::Merge(merge) => sweep::merge(&merge),
         Command::Compare(compare) => compare::run(&compare),
         Command::Eval(eval) => eval::run(&project, &eval),
         Command::Schema => schema::run(),
+        Command::Stress(stress) if stress.random.is_asked() => {
+            stress_scenes::run(&project, &stress)
+        }
         Command::Stress(stress) => stress::run(&project, &stress),
         Command::Adapters => adapters(),
     }
