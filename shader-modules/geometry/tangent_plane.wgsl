@@ -1,11 +1,12 @@
 // Where a refracted ray meets the tangent plane of the surface seen near it.
 // Liu, Han, Fei 2020, narrow phase, eq. 3. World space, metres. A ray that runs along the plane, or
-// meets it behind its origin, is taken to meet the seen point itself. Where nothing is seen (a wave
-// that stands before the bank) the ray's own points are looked for, at doubling distances; if they
-// show nothing either there is no hit. The residual is the distance from the ray of what is seen where the hit appears, in
-// pixels: it tells the error without a reference, but not of a nearer surface that hides there.
-// Where another object is seen there or right beside it, the plane may not reach as far, and the
-// residual is larger than any bound.
+// meets it behind its origin, is taken to meet the seen point itself. Where nothing is seen (the sky,
+// or a wave that stands before the bank) the ray's own points are looked for, the farthest first, then
+// at doubling distances; if they show nothing either there is no hit, and that is certain. The
+// residual is the distance from the ray of what is seen where the hit appears, in pixels: it tells
+// the error without a reference, but not of a nearer surface that hides there. Where another object
+// is seen there or right beside it, the plane may not reach as far, and the residual is larger than
+// any bound.
 //
 // provides: intersect
 // needs: geometry/ray, geometry/hit, screen/residual
@@ -18,16 +19,22 @@
 override probes: i32 = 6;
 override first_probe: f32 = 0.1;
 
+// What is farther than this along a ray appears where its end does.
+const FARTHEST = 1e5;
+
 fn intersect(ray: Ray, texel: vec2f) -> Hit {
     var near = seen(texel);
-    var way = first_probe;
-    for (var i = 0; i < probes && near.object < 0.0; i++) {
-        near = seen(reproject(ray.origin + way * ray.direction));
-        way *= 2.0;
+    var end = texel;
+    var way = FARTHEST;
+    for (var i = 0; i <= probes && near.object < 0.0; i++) {
+        let place = reproject(ray.origin + way * ray.direction);
+        end = select(end, place, i == 0);
+        near = seen(place);
+        way = select(2.0 * way, first_probe, i == 0);
     }
     if near.object < 0.0 {
-        var nothing = no_hit(ray, texel);
-        nothing.residual = UNKNOWN_RESIDUAL;
+        var nothing = no_hit(ray, end);
+        nothing.residual = select(UNKNOWN_RESIDUAL, 0.0, is_seen(end));
         return nothing;
     }
     let slope = dot(near.normal, ray.direction);

@@ -1,6 +1,7 @@
 // Looks through the water: each pixel's ray meets it, is deflected, and meets something behind.
 // Where nothing stands before the sky, the sky; what stands before the water stays.
-// Pixels whose residual exceeds `bound_px` are listed, for a later pass to do them again.
+// Pixels whose residual exceeds `bound_px`, or from which something may hide on the ray's way, are
+// listed, for a later pass to do them again.
 // Outputs: `colour` linear RGB; `shown` the world point (metres) and object id of that colour.
 //
 // skeleton: screen

@@ -2,12 +2,12 @@
 // Outputs: `colour` linear RGB; `position` the world point (metres) and object id, `apparent` the
 // same with the point where it appears; `normal` the geometric and the shading normal, octahedral;
 // `plane` the distance of the tangent plane from the eye, both normals and the id + 1, as bits;
-// `shown` the world point and id.
+// `height` how far it is above the rest plane (metres); `shown` the world point and id.
 //
 // skeleton: draw
-// outputs: colour, position, apparent, normal, plane, shown
+// outputs: colour, position, apparent, normal, plane, height, shown
 // slots: place, shade, side
-// needs: geometry/octahedral, screen/target, shading/surface_point
+// needs: geometry/octahedral, screen/target, shading/surface_point, water/body
 // flat: geometric_normal
 
 struct Varying {
@@ -61,6 +61,10 @@ fn write_plane(drawn: Drawn) -> vec4u {
     let normal = pack2x16snorm(octahedral_encoded(point.geometric_normal));
     let shading_normal = pack2x16snorm(octahedral_encoded(point.normal));
     return vec4u(bitcast<u32>(distance), normal, shading_normal, point.object + 1u);
+}
+
+fn write_height(drawn: Drawn) -> f32 {
+    return drawn.point.position.z - water.level;
 }
 
 fn write_shown(drawn: Drawn) -> vec4f {

@@ -5,7 +5,12 @@
 // provides: seen
 // needs: geometry/octahedral, geometry/ray, screen/neighbours, screen/seen_point, screen/seen_view, water/body
 // slots: deflect
+// number edge_reach: 0 to 1 texel, step 0.05
 // domain: seen(texel -100 to 1e4)
+
+// How far from the place, along each axis, texels count as almost as near. Less than half a texel:
+// an edge beyond the nearest texel's own centre is more likely than not farther away.
+override edge_reach: f32 = 0.4;
 
 // x: the bits of the plane's distance from the eye along its normal, metres. y, z: the geometric
 // and the shading normal, octahedral, as pairs of 16-bit numbers. w: object id + 1, 0 for none.
@@ -20,7 +25,7 @@ fn seen(texel: vec2f) -> Seen {
     }
     var edge = false;
     for (var i = 0; i < 4; i++) {
-        let beside = texel + EDGE_REACH * (2.0 * vec2f(f32(i & 1), f32(i >> 1u)) - 1.0);
+        let beside = texel + edge_reach * (2.0 * vec2f(f32(i & 1), f32(i >> 1u)) - 1.0);
         let other = textureLoad(seen_plane, clamp(vec2i(floor(beside)), vec2i(0), last), 0);
         edge |= other.w != plane.w;
     }
