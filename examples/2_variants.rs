@@ -27,6 +27,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         rounds: Rounds::default(),
         without: Vec::new(),
         settings: Map::new(),
+        moments: Vec::new(),
+        rivalry: None,
     };
     let outcome = ablation.run(&project, &Gpu::open(None)?, &|_, _| {})?;
     print!("{}", Table::of(&outcome.results).terminal());

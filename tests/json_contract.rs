@@ -40,13 +40,14 @@ fn numbers(value: &Value, wanted: &[&str]) {
     }
 }
 
-const ERRORS: [&str; 6] = [
+const ERRORS: [&str; 7] = [
     "position_px",
     "position_m",
     "within_half_px",
     "wrong_object",
     "rmse",
     "psnr",
+    "flip",
 ];
 
 fn errors(value: &Value) {
@@ -58,7 +59,7 @@ fn errors(value: &Value) {
         assert!(quantiles.is_sorted(), "{value}");
     }
     numbers(value, &ERRORS[2..]);
-    for share in ["within_half_px", "wrong_object"] {
+    for share in ["within_half_px", "wrong_object", "flip"] {
         let share = number(value, &format!("/{share}"));
         assert!((0.0..=1.0).contains(&share), "{value}");
     }
@@ -121,8 +122,17 @@ fn the_keys_are_those_of_the_contract() {
             &[
                 "pipeline", "timer", "frame_ms", "passes", "counters", "error",
             ],
-            &["relative", "shaders", "not_finite_pixels", "warnings"],
+            &[
+                "relative",
+                "shaders",
+                "not_finite_pixels",
+                "warnings",
+                "preprocessing_ms",
+                "dominated_by",
+            ],
         );
+        assert!(number(row, "/preprocessing_ms") >= 0.0);
+        assert!(row["dominated_by"].is_array());
         assert!(row["timer"] == "gpu" || row["timer"] == "wall", "{row}");
         let frame = &row["frame_ms"];
         keys(frame, &["median", "low", "high", "min", "samples"], &[]);
@@ -163,9 +173,34 @@ fn the_keys_are_those_of_the_contract() {
                 "compute_invocations",
                 "texture_bytes",
                 "buffer_bytes",
+                "scene_bytes",
+                "uploaded_bytes",
+                "passes",
             ],
         );
-        for (key, count) in counters {
+        // Waves that move are uploaded where something reads them.
+        let waves = row["pipeline"] == "refraction/combined";
+        assert_eq!(number(&row["counters"], "/uploaded_bytes") > 0.0, waves);
+        let counted = row["counters"]["passes"].as_array().expect("passes");
+        for pass in counted {
+            keys(
+                pass,
+                &[
+                    "name",
+                    "triangles",
+                    "vertex_invocations",
+                    "fragment_invocations",
+                    "compute_invocations",
+                ],
+                &[],
+            );
+        }
+        let sum: u64 = counted
+            .iter()
+            .filter_map(|pass| pass["triangles"].as_u64())
+            .sum();
+        assert_eq!(row["counters"]["triangles"].as_u64(), Some(sum));
+        for (key, count) in counters.iter().filter(|(key, _)| *key != "passes") {
             // `null` where the adapter cannot count.
             let known = count.as_u64().is_some();
             assert!(
@@ -236,6 +271,96 @@ fn the_truth_obeys_the_option_and_the_setting() {
             mixed > 1.2 * flat.max(displaced),
             "{both}: {mixed}, {flat}, {displaced}"
         );
+    }
+}
+
+#[test]
+fn preprocessing_is_told_where_something_reads_what_it_makes() {
+    let results = results("refraction/none refraction/ray-traced --rounds 1");
+    let made = results["preprocessing"].as_object().expect("an object");
+    for (key, value) in made {
+        let known = ["bvh", "distance_field", "far_side"].iter().any(|name| {
+            let unit = key.strip_prefix(name);
+            matches!(unit, Some("_ms" | "_bytes"))
+        });
+        assert!(
+            known && value.as_f64().is_some_and(|v| v >= 0.0),
+            "{key}: {value}"
+        );
+    }
+    assert!(number(&results["preprocessing"], "/bvh_ms") > 0.0);
+    let [none, traced] =
+        ["refraction/none", "refraction/ray-traced"].map(|name| row(&results, name));
+    // Only who traces rays pays for the tree.
+    assert_eq!(number(none, "/preprocessing_ms"), 0.0);
+    assert!(number(traced, "/preprocessing_ms") > 0.0);
+    let bytes = |row| number(row, "/counters/scene_bytes");
+    let tree = number(&results["preprocessing"], "/bvh_bytes");
+    assert_eq!(bytes(traced) - bytes(none), tree);
+    assert_eq!(bytes(traced), number(&results, "/scene_bytes"));
+}
+
+#[test]
+fn several_moments_are_told_with_their_mean_and_worst() {
+    let line = "refraction/none refraction/combined --set water.rms_slope=0.1 --rounds 4";
+    let moments = results(&format!("{line} --times 0,0.5,2"));
+    assert_eq!(moments["moments"], serde_json::json!([0.0, 0.5, 2.0]));
+    let combined = row(&moments, "refraction/combined");
+    let errors = |row: &Value, figure: &str| -> Vec<f64> {
+        let each = row["moments"].as_array().expect("moments").iter();
+        each.map(|moment| number(moment, figure)).collect()
+    };
+    let each = errors(combined, "/error/position_px/mean");
+    assert!(each[0] != each[1] && each[1] != each[2], "{each:?}");
+    let mean = number(combined, "/error/position_px/mean");
+    assert!((mean - each.iter().sum::<f64>() / 3.0).abs() < 1e-12);
+    let worst = number(combined, "/worst/position_px/mean");
+    assert_eq!(worst, each.iter().copied().fold(0.0, f64::max));
+    // The same as if the moment had run alone.
+    let alone = results(&format!("{line} --set water.time=0.5"));
+    let alone = row(&alone, "refraction/combined");
+    assert_eq!(number(alone, "/error/position_px/mean"), each[1]);
+    // And the same again.
+    let again = results(&format!("{line} --times 0,0.5,2"));
+    let again = row(&again, "refraction/combined");
+    assert_eq!(again["moments"], combined["moments"]);
+}
+
+#[test]
+fn counted_moments_begin_with_the_scene_s_own() {
+    let results = results("refraction/none --rounds 1 --set water.time=3 --repeat-scene-times 2");
+    assert_eq!(results["moments"], serde_json::json!([3.0, 3.25]));
+}
+
+#[test]
+fn rivals_are_held_against_ours() {
+    let results = results(
+        "refraction/none refraction/broad refraction/combined refraction/planar --rounds 4 \
+         --against refraction/none,refraction/planar",
+    );
+    let contests = results["contests"].as_array().expect("contests");
+    let rivals: Vec<_> = contests.iter().map(|contest| &contest["rival"]).collect();
+    assert_eq!(rivals, ["refraction/none", "refraction/planar"]);
+    for contest in contests {
+        keys(
+            contest,
+            &[
+                "rival",
+                "holds",
+                "certain",
+                "ours",
+                "times",
+                "ours_px",
+                "rival_px",
+                "needs",
+                "dominates",
+            ],
+            &[],
+        );
+        assert_eq!(contest["holds"], number(contest, "/needs") <= 1.0);
+        assert_eq!(contest["times"]["to"], contest["rival"]);
+        let ours = row(&results, contest["ours"].as_str().expect("a name"));
+        assert_eq!(contest["ours_px"], ours["error"]["position_px"]["mean"]);
     }
 }
 

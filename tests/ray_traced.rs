@@ -38,6 +38,8 @@ fn run(
         },
         without: Vec::new(),
         settings: Default::default(),
+        moments: Vec::new(),
+        rivalry: None,
     };
     let gpu = Gpu::open(None).unwrap_or_else(|error| panic!("{error}"));
     ablation.run(&project, &gpu, &|_, _| ()).unwrap()

@@ -27,6 +27,8 @@ fn run(scene: &str, slope: &str) -> Outcome {
         },
         without: Vec::new(),
         settings: Default::default(),
+        moments: Vec::new(),
+        rivalry: None,
     };
     let gpu = Gpu::open(None).unwrap_or_else(|error| panic!("{error}"));
     ablation.run(&project, &gpu, &|_, _| ()).unwrap()

@@ -30,7 +30,15 @@ fn without_times(mut sweep: Value) -> Value {
         point.remove("preprocessing");
         for row in point["rows"].as_array_mut().unwrap() {
             let row = row.as_object_mut().unwrap();
-            for key in ["timer", "frame_ms", "relative", "passes", "warnings"] {
+            for key in [
+                "timer",
+                "frame_ms",
+                "relative",
+                "passes",
+                "warnings",
+                "preprocessing_ms",
+                "dominated_by",
+            ] {
                 row.remove(key);
             }
         }

@@ -4,11 +4,11 @@
 // in the world, as far as it takes to move by `stride` on the screen or to reach what was drawn.
 // World space, metres; depth along `forward` of where points appear; texels.
 // A ray that leaves the buffers shows what is where it does so; one that goes on behind something
-// until its end, or comes back to the camera's side, shows the pixel itself. Normals and id are not known: for fillings of `colour` that
-// fetch what was drawn at the texel.
+// until its end, or comes back to the camera's side, shows the pixel itself. Normals and id are not
+// known: for fillings of `colour` that fetch what was drawn at the texel.
 //
 // provides: intersect
-// needs: geometry/ray, geometry/hit, screen/neighbours, screen/seen_view, screen/target, water/body
+// needs: geometry/ray, geometry/hit, screen/drawn, screen/seen_view, screen/target, water/body
 // slots: place
 // requires: colour = screen/resampled
 // number thickness: 0 to 100 m, step 0.05
@@ -17,8 +17,6 @@
 // number refinements: 0 to 12, step 1
 // number reach: 0.1 to 1000 m, step 1
 // domain: intersect(texel -100 to 1e4)
-
-var seen_depth: texture_depth_2d;
 
 // How far every drawn surface is taken to go on behind its front.
 override thickness: f32 = 0.1;
@@ -37,25 +35,14 @@ struct Marched {
     gap: f32,
 }
 
-// Depth of what was drawn at a texel; far away where nothing was.
-fn curved_drawn(texel: vec2i) -> f32 {
-    let last = vec2i(textureDimensions(seen_depth)) - 1;
-    let inverse = textureLoad(seen_depth, clamp(texel, vec2i(0), last), 0);
-    return view_target.near / max(inverse, 1e-7 * view_target.near);
-}
-
-// The same between texels.
-fn curved_drawn_between(texel: vec2f) -> f32 {
-    let corner = vec2i(floor(texel - 0.5));
-    let part = texel - 0.5 - floor(texel - 0.5);
-    let upper = mix(curved_drawn(corner), curved_drawn(corner + vec2i(1, 0)), part.x);
-    let lower = mix(curved_drawn(corner + vec2i(0, 1)), curved_drawn(corner + vec2i(1, 1)), part.x);
-    return mix(upper, lower, part.y);
+// 1 / depth as depth; far away where nothing was drawn.
+fn curved_depth(inverse: f32) -> f32 {
+    return 1.0 / max(inverse, 1e-7);
 }
 
 fn marched(ray: Ray, along: f32) -> Marched {
     let appears = view_pixel(view_seen(), place(ray.origin + along * ray.direction));
-    return Marched(along, appears.xy, appears.z, curved_drawn(vec2i(floor(appears.xy))) - appears.z);
+    return Marched(along, appears.xy, appears.z, curved_depth(drawn(vec2i(floor(appears.xy)))) - appears.z);
 }
 
 fn outside(texel: vec2f) -> bool {
@@ -90,19 +77,16 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
     }
     if !met {
         let shown_at = select(texel, after.texel, left);
-        var shows = curved_drawn(vec2i(floor(shown_at))) < 1e6;
-        for (var i = 0; i < NEIGHBOURS && !shows; i++) {
-            shows = curved_drawn(vec2i(floor(shown_at)) + neighbour(i)) < 1e6;
-        }
+        let shows = drawn_about(vec2i(floor(shown_at))) > 0.0;
         return Hit(ray.origin, vec3f(0.0), vec3f(0.0), -1.0, shown_at, 0.0, shows, ray.direction);
     }
-    before.gap = curved_drawn_between(before.texel) - before.depth;
-    after.gap = curved_drawn_between(after.texel) - after.depth;
+    before.gap = curved_depth(drawn_between(before.texel)) - before.depth;
+    after.gap = curved_depth(drawn_between(after.texel)) - after.depth;
     for (var i = 0; i < refinements; i++) {
         let fall = before.gap - after.gap;
         let secant = clamp(select(0.5, before.gap / fall, fall > 1e-9), -0.5, 1.5);
         var middle = marched(ray, max(mix(before.along, after.along, secant), 0.0));
-        middle.gap = curved_drawn_between(middle.texel) - middle.depth;
+        middle.gap = curved_depth(drawn_between(middle.texel)) - middle.depth;
         if middle.gap > 0.0 {
             before = middle;
         } else {

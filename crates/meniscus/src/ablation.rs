@@ -4,24 +4,25 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::UVec2;
-use meniscus_gpu::{self as gpu, FrameTiming, Gpu, GpuError, PipelineCache, SceneBuffers};
-use meniscus_measure::{
-    Counters, Judgement, MeasureError, PassMs, Results, Row, Timer, Timing, TruthGeometry, Verdict,
-    median, relative_time, timing_warnings,
-};
+use meniscus_gpu::{Gpu, GpuError, PipelineCache, SceneBuffers};
+use meniscus_measure::{Judgement, MeasureError, Results, TruthGeometry};
 use meniscus_pipeline::Pipeline;
 use meniscus_reference::{Tracer, Truth};
 use meniscus_scene::{Scene, View, WaterGeometry};
 use meniscus_source::Report;
 use serde_json::{Map, Value, json};
 
+use crate::costs;
 use crate::facts::facts_of;
 use crate::judging::Judging;
 use crate::marginal::{self, Without};
+use crate::moments::Moments;
 use crate::picture::{check_size, is_finite};
 use crate::project::Project;
 use crate::provenance::provenance;
+use crate::rivalry::{self, Rivalry};
 use crate::rounds::Rounds;
+use crate::rows::Timings;
 use crate::subject::{Stage, Subject};
 
 /// What is to be compared.
@@ -43,6 +44,10 @@ pub struct Ablation {
     pub without: Vec<Without>,
     /// Settings that were made, for the results.
     pub settings: Map<String, Value>,
+    /// The moments of the scene, seconds, at which it runs; at the scene's own where there is none.
+    pub moments: Vec<f64>,
+    /// Pipelines that are held against others.
+    pub rivalry: Option<Rivalry>,
 }
 
 /// Why an ablation came to no end.
@@ -94,9 +99,9 @@ pub type Progress<'a> = dyn Fn(&str, f64) + Sync + 'a;
 pub struct Outcome {
     /// The figures.
     pub results: Results,
-    /// Pictures and points of each pipeline, in the order of the results' rows.
+    /// Pictures and points of each pipeline at the first moment, in the order of the results' rows.
     pub rows: Vec<RowOutcome>,
-    /// The truth.
+    /// The truth at the first moment.
     pub truth: Truth,
     /// The scene that was rendered.
     pub scene: Scene,
@@ -158,38 +163,25 @@ impl Ablation {
             );
             subjects.push(Subject::new(pipeline, &stage)?);
         }
-        let true_scene = Scene {
-            water: self.scene.water.with_geometry(self.truth),
-            ..self.scene.clone()
-        };
-        let traced =
-            Tracer::new(&true_scene).trace(&view, &|part| progress("tracing the truth", part));
-        let timings = self.rounds.time(&mut subjects, self.baseline, progress)?;
-        let context = Judging::new(self, &traced, &true_scene, view);
-        let mut rows = Vec::new();
+        let mut moments = Moments::new(&self.scene, &self.moments, &stage.facts, self.size)?;
+        let timings = self
+            .rounds
+            .time(&mut subjects, self.baseline, &mut moments, progress)?;
+        let (truth, judged) = self.judge(&mut subjects, &stage, &mut moments, progress)?;
+        let timings = Timings::new(timings);
         let mut found = Vec::new();
-        for (index, subject) in subjects.iter_mut().enumerate() {
-            progress(
-                "comparing with the truth",
-                index as f64 / self.pipelines.len() as f64,
-            );
-            let outcome = context.judge(subject, &stage)?;
-            let row = self.row(subject, index, &timings, &outcome)?;
-            found.push(row);
-            rows.push(outcome);
+        for (index, (subject, outcomes)) in subjects.iter_mut().zip(&judged).enumerate() {
+            let timed = (index, &timings);
+            found.push(self.row(subject, timed, outcomes, &stage, &mut moments)?);
         }
-        let mut preprocessing = Map::new();
-        for (name, ms) in [
-            ("bvh_ms", stage.scene.build_ms()),
-            ("distance_field_ms", stage.scene.distance_field_ms()),
-        ] {
-            if let Some(ms) = ms {
-                preprocessing.insert(name.to_owned(), json!(ms));
-            }
+        let mut more = costs::of_scene(&stage.scene);
+        if moments.are_several() {
+            more.insert("moments".to_owned(), json!(moments.times()));
         }
-        let mut more = Map::new();
-        more.insert("preprocessing".to_owned(), Value::Object(preprocessing));
-        more.insert("scene_bytes".to_owned(), json!(stage.scene.bytes()));
+        let rows: Vec<RowOutcome> = judged
+            .into_iter()
+            .filter_map(|outcomes| outcomes.into_iter().next())
+            .collect();
         let judged = rows.first().map(|row| &row.judgement);
         let mut results = Results {
             provenance: provenance(gpu),
@@ -205,134 +197,49 @@ impl Ablation {
             rows: found,
             more,
         };
+        rivalry::note(&mut results, self.rivalry.as_ref())?;
         marginal::note(&mut results, &self.without);
         Ok(Outcome {
             results,
             rows,
-            truth: traced,
-            scene: self.scene.clone(),
+            truth,
+            scene: moments.at(0).clone(),
             view,
         })
     }
 
-    /// Of every list: the share of the judged pixels that it holds, and of those that it does not
-    /// hold, the share with errors beyond half a pixel and with wrong objects. That tells how far
-    /// the estimate can be trusted by which the list was made.
-    fn list_errors(&self, outcome: &RowOutcome) -> Map<String, Value> {
-        let share = |part: usize, whole: usize| part as f64 / whole.max(1) as f64;
-        let mut found = Map::new();
-        for (name, list) in &outcome.lists {
-            let [mut judged, mut listed, mut far, mut wrong] = [0usize; 4];
-            for (verdict, is_listed) in outcome.judgement.verdicts.iter().zip(list) {
-                let Verdict::Error {
-                    px, wrong_object, ..
-                } = verdict
-                else {
-                    continue;
-                };
-                judged += 1;
-                listed += usize::from(*is_listed);
-                far += usize::from(!is_listed && *px > 0.5);
-                wrong += usize::from(!is_listed && *wrong_object);
-            }
-            let figures = json!({
-                "listed": share(listed, judged),
-                "unlisted_beyond_half_px": share(far, judged),
-                "unlisted_wrong_object": share(wrong, judged),
-            });
-            found.insert(name.clone(), figures);
-        }
-        found
-    }
-
-    fn row(
+    /// The truth at the first moment, and of every subject what it shows at each moment.
+    fn judge(
         &self,
-        subject: &Subject,
-        index: usize,
-        timings: &[Vec<FrameTiming>],
-        outcome: &RowOutcome,
-    ) -> Result<Row, AblationError> {
-        // One clock for all rows, or their ratios would compare clocks.
-        let every: Vec<FrameTiming> = timings.iter().flatten().cloned().collect();
-        let clock = gpu::Timer::of(&every);
-        let timing =
-            |index: usize| Timing::new(timings[index].iter().map(|f| f.ms(clock)).collect());
-        let own = timing(index)?;
-        let warnings = timing_warnings(&own);
-        let relative = match self.baseline {
-            Some(baseline) => Some(relative_time(
-                &own,
-                &timing(baseline)?,
-                &self.pipelines[baseline].name,
-            )?),
-            None => None,
-        };
-        let passes =
-            subject
-                .frame
-                .plan()
-                .passes
-                .iter()
-                .enumerate()
-                .filter_map(|(pass, planned)| {
-                    let ms: Vec<f64> = timings[index]
-                        .iter()
-                        .filter_map(|f| f.passes.get(pass)?.ms)
-                        .collect();
-                    Some(PassMs {
-                        name: planned.name.clone(),
-                        ms: median(&ms)?,
-                    })
-                });
-        let counted = subject.frame.counters()?;
-        let mut more = Map::new();
-        more.insert("dispatches".into(), json!(counted.dispatches));
-        more.insert(
-            "compute_invocations".into(),
-            json!(counted.compute_invocations),
-        );
-        more.insert("texture_bytes".into(), json!(counted.texture_bytes));
-        more.insert("buffer_bytes".into(), json!(counted.buffer_bytes));
-        let hashes = subject
-            .frame
-            .plan()
-            .passes
-            .iter()
-            .map(|p| (p.name.clone(), json!(p.shader.hash)));
-        for (name, list) in &outcome.lists {
-            more.insert(
-                name.clone(),
-                json!(list.iter().filter(|listed| **listed).count()),
-            );
+        subjects: &mut [Subject],
+        stage: &Stage,
+        moments: &mut Moments,
+        progress: &Progress,
+    ) -> Result<(Truth, Vec<Vec<RowOutcome>>), AblationError> {
+        let view = self.scene.camera.view(stage.size);
+        let count = moments.times().len();
+        let mut judged: Vec<Vec<RowOutcome>> = subjects.iter().map(|_| Vec::new()).collect();
+        let mut first = None;
+        for moment in 0..count {
+            let several = moments.are_several();
+            let scene = moments.at(moment);
+            let true_scene = Scene {
+                water: scene.water.with_geometry(self.truth),
+                ..scene.clone()
+            };
+            let part = |part: f64| (moment as f64 + part) / count as f64;
+            let traced =
+                Tracer::new(&true_scene).trace(&view, &|p| progress("tracing the truth", part(p)));
+            let context = Judging::new(self, &traced, &true_scene, view);
+            let all = subjects.len() as f64;
+            for (index, subject) in subjects.iter_mut().enumerate() {
+                progress("comparing with the truth", part(index as f64 / all));
+                let outcome = context.judge(subject, stage, several.then_some(scene))?;
+                judged[index].push(outcome);
+            }
+            first.get_or_insert(traced);
         }
-        let mut row_more = Map::new();
-        if !outcome.lists.is_empty() {
-            row_more.insert("lists".into(), json!(self.list_errors(outcome)));
-        }
-        if !warnings.is_empty() {
-            let told = warnings.iter().map(ToString::to_string);
-            row_more.insert("warnings".into(), json!(told.collect::<Vec<_>>()));
-        }
-        row_more.insert("shaders".into(), Value::Object(hashes.collect()));
-        row_more.insert("not_finite_pixels".into(), json!(outcome.not_finite()));
-        Ok(Row {
-            pipeline: subject.name.clone(),
-            timer: match clock {
-                gpu::Timer::Gpu => Timer::Gpu,
-                gpu::Timer::Wall => Timer::Wall,
-            },
-            frame_ms: own.frame_ms(),
-            relative,
-            passes: passes.collect(),
-            counters: Counters {
-                triangles: Some(counted.triangles),
-                vertex_invocations: counted.vertex_invocations,
-                fragment_invocations: counted.fragment_invocations,
-                draws: Some(counted.draws),
-                more,
-            },
-            error: outcome.judgement.errors.clone(),
-            more: row_more,
-        })
+        let none = || GpuError::Plan("an ablation without a moment".to_owned());
+        Ok((first.ok_or_else(none)?, judged))
     }
 }

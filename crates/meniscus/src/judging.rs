@@ -41,9 +41,18 @@ impl<'a> Judging<'a> {
         }
     }
 
-    pub fn judge(&self, subject: &mut Subject, stage: &Stage) -> Result<RowOutcome, AblationError> {
+    /// Of the frame as it is; at another moment than the stage's, that moment's scene is to be given.
+    pub fn judge(
+        &self,
+        subject: &mut Subject,
+        stage: &Stage,
+        moment: Option<&Scene>,
+    ) -> Result<RowOutcome, AblationError> {
+        if let Some(scene) = moment {
+            subject.frame.update(scene)?;
+        }
         let colours = subject.colours()?;
-        let shown = subject.shown(stage)?;
+        let shown = subject.shown(stage, moment)?;
         let points = subject::seen(&shown);
         let projected = truth::project(&points, self.truth, self.scene, &self.view);
         let lists = subject.lists(self.size)?;

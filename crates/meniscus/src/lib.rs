@@ -6,17 +6,22 @@
 //! crates of their own and re-exported here.
 
 mod ablation;
+mod costs;
 mod device_run;
 mod facts;
 mod judging;
 mod marginal;
+mod moments;
+mod on_gpu;
 mod output;
 mod picture;
 mod preset;
 mod project;
 mod provenance;
 mod report;
+mod rivalry;
 mod rounds;
+mod rows;
 mod scene_stress;
 mod subject;
 mod sweep;
@@ -27,16 +32,16 @@ pub use ablation::{Ablation, AblationError, Outcome, Progress, RowOutcome};
 pub use device_run::{Device, PassDifference, PassError, Passes, bound, colours};
 pub use facts::{facts_of, outlook_of};
 pub use marginal::{Without, leave_one_out, table as marginal_table};
+pub use moments::moments_text;
+pub use on_gpu::FunctionsOnGpu;
 pub use output::write_directory;
 pub use picture::{Picture, PictureError};
 pub use preset::{Figures, Preset, PresetAxis, Published};
 pub use project::{Project, Sources};
 pub use report::{Beside, report, sweep_report};
+pub use rivalry::{Rivalry, contests_markdown, contests_of, contests_text};
 pub use rounds::{Rounds, Until};
 pub use scene_stress::{Distance, SceneCheck, SceneFailure, SceneStress, StressedScenes, oddity_names};
-pub use scene_stress::{
-    Distance, SceneCheck, SceneFailure, SceneStress, StressedScenes, oddity_names,
-};
 pub use sweep::{Axis, Partition, fingerprint, points};
 pub use warnings::gathered_warnings;
 

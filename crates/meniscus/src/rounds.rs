@@ -6,6 +6,7 @@ use meniscus_gpu::{self as gpu, FrameTiming};
 use meniscus_measure::{Timing, relative_time};
 
 use crate::ablation::{AblationError, Progress};
+use crate::moments::Moments;
 use crate::subject::Subject;
 
 /// How often pipelines are rendered.
@@ -42,11 +43,14 @@ impl Default for Rounds {
 }
 
 impl Rounds {
-    /// Frames of all subjects in turn, in an order that changes from round to round.
+    /// Frames of all subjects in turn, in an order that changes from round to round. Where there are
+    /// several moments, each round is at the next of them, and the water is uploaded before every
+    /// frame.
     pub(crate) fn time(
         &self,
         subjects: &mut [Subject],
         baseline: Option<usize>,
+        moments: &mut Moments,
         progress: &Progress,
     ) -> Result<Vec<Vec<FrameTiming>>, AblationError> {
         let start = Instant::now();
@@ -74,6 +78,11 @@ impl Rounds {
                 progress("timing frames", f64::from(round) / f64::from(all.max(1)));
             }
             for index in order(round, subjects.len()) {
+                if moments.are_several() {
+                    // Counted rounds begin with the first moment.
+                    let moment = round + moments.times().len() as u32 * self.warm_up - self.warm_up;
+                    subjects[index].frame.update(moments.at(moment as usize))?;
+                }
                 let timing = subjects[index].frame.render()?;
                 if round >= self.warm_up {
                     timings[index].push(timing);

@@ -7,6 +7,7 @@ use glam::UVec2;
 use meniscus_gpu::{Frame, Gpu, PipelineCache, SceneBuffers};
 use meniscus_measure::Seen;
 use meniscus_pipeline::{Facts, Pipeline, Plan};
+use meniscus_scene::Scene;
 use meniscus_shader::Composer;
 
 use crate::AblationError;
@@ -59,6 +60,12 @@ impl Subject {
     ) -> Result<BTreeMap<String, Vec<bool>>, AblationError> {
         let mut lists = BTreeMap::new();
         for (name, buffer) in &self.frame.plan().lists {
+            // A plan that adds nothing to a list has no buffer for it.
+            if !self.frame.plan().buffers.contains_key(buffer) {
+                let nothing = vec![false; width as usize * height as usize];
+                lists.insert(name.clone(), nothing);
+                continue;
+            }
             let bytes = self.frame.read_buffer(buffer)?;
             let mut words = bytes
                 .chunks_exact(4)
@@ -77,7 +84,12 @@ impl Subject {
     }
 
     /// Renders, in a frame of its own that is gone afterwards, which points the colours show.
-    pub fn shown(&self, stage: &Stage) -> Result<Vec<[f32; 4]>, AblationError> {
+    /// At another moment than that of the stage's scene if one is given.
+    pub fn shown(
+        &self,
+        stage: &Stage,
+        moment: Option<&Scene>,
+    ) -> Result<Vec<[f32; 4]>, AblationError> {
         let Some(texture) = self.shown.shown.clone() else {
             return Ok(Vec::new());
         };
@@ -88,6 +100,9 @@ impl Subject {
             stage.size,
             stage.cache,
         )?;
+        if let Some(scene) = moment {
+            frame.update(scene)?;
+        }
         frame.render()?;
         let pixels = frame.read(&texture)?;
         Ok(pixels

@@ -129,6 +129,7 @@ pub fn fingerprint(ablation: &Ablation, project: &Project, gpu: &Gpu) -> Result<
         ablation.rounds,
     );
     let _ = writeln!(hasher, "{:?} {:?}", ablation.settings, ablation.baseline);
+    let _ = writeln!(hasher, "{:?} {:?}", ablation.moments, ablation.rivalry);
     for pipeline in &ablation.pipelines {
         let plan = Plan::new(
             pipeline,

@@ -2,13 +2,14 @@
 
 use std::time::Duration;
 
+use clap::Args;
 use meniscus::gpu::Gpu;
 use meniscus::measure::{Results, Table, write_atomically};
 use meniscus::pipeline::{Facts, Pipeline, Plan};
 use meniscus::source::{Diagnostic, Report};
 use meniscus::{
-    Ablation, Project, Rounds, Until, Without, gathered_warnings, leave_one_out, report,
-    write_directory,
+    Ablation, Project, Rivalry, Rounds, Until, Without, contests_markdown, contests_text,
+    gathered_warnings, leave_one_out, moments_text, report, write_directory,
 };
 use serde_json::{Map, Value, json};
 
@@ -16,6 +17,75 @@ use super::arguments::{Ablate, key_value};
 use super::progress::Bar;
 use super::say::{say, tell};
 use super::{Failure, outputs, sweep};
+
+/// What is looked at beside time and error at the scene's own moment.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct Asked {
+    /// Run at these moments of the scene, seconds: the water moves and is uploaded for every frame;
+    /// errors are the means over the moments, and the worst are told beside them.
+    #[arg(
+        long,
+        value_name = "A,B,…",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        conflicts_with = "repeat_scene_times"
+    )]
+    pub times: Vec<f64>,
+    /// The same at so many moments, a quarter of a second apart from the scene's own on.
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repeat_scene_times: Option<u32>,
+    /// Hold pipelines against these rivals (names, or refraction/* for many): who dominates whom, and
+    /// whether each rival is beaten by far, in time or in error.
+    #[arg(long, value_name = "A,B,…", value_delimiter = ',')]
+    pub against: Vec<String>,
+    /// The pipelines that are held against the rivals; all the others but the baseline if none is
+    /// given.
+    #[arg(
+        long,
+        value_name = "A,B,…",
+        value_delimiter = ',',
+        requires = "against"
+    )]
+    pub ours: Vec<String>,
+    /// Also print what frames take beside time: passes, invocations, memory, uploads, preparation.
+    #[arg(long)]
+    pub wide: bool,
+}
+
+/// Seconds between moments that are only counted.
+const BETWEEN_MOMENTS: f64 = 0.25;
+
+impl Asked {
+    /// The moments, seconds; none where only the scene's own is asked for.
+    fn moments(&self, own: f64) -> Result<Vec<f64>, Diagnostic> {
+        if let Some(wrong) = self.times.iter().find(|time| !time.is_finite()) {
+            return Err(Diagnostic::error(format!("`--times {wrong}` is no moment"))
+                .with_help("give finite numbers of seconds"));
+        }
+        let count = self.repeat_scene_times.unwrap_or(0);
+        let counted = (0..count).map(|index| own + BETWEEN_MOMENTS * f64::from(index));
+        Ok(self.times.iter().copied().chain(counted).collect())
+    }
+
+    /// What is printed under the table, and written under it as Markdown.
+    pub fn below(&self, results: &Results) -> String {
+        let mut text = moments_text(results);
+        text.push_str(&contests_text(results));
+        if self.wide {
+            text.push('\n');
+            text.push_str(&Table::of_costs(results).terminal());
+        }
+        text
+    }
+
+    /// The same as Markdown.
+    pub fn markdown(&self, results: &Results) -> String {
+        let costs = || format!("\n{}", Table::of_costs(results).markdown());
+        let costs = self.wide.then(costs).unwrap_or_default();
+        let contests = contests_markdown(results);
+        format!("{costs}{contests}")
+    }
+}
 
 /// What is run where nothing is named.
 const ALL: &str = "refraction/*";
@@ -58,6 +128,8 @@ fn once(project: &Project, ablate: &Ablate) -> Result<(), Failure> {
     let results = &outcome.results;
     let table = Table::of(results);
     say(&table.terminal())?;
+    let asked = &ablate.sweeping.asked;
+    say(&asked.below(results))?;
     say(&marginal(results))?;
     for warning in gathered_warnings(results) {
         say(&format!("warning: {warning}\n"))?;
@@ -69,7 +141,8 @@ fn once(project: &Project, ablate: &Ablate) -> Result<(), Failure> {
         write_atomically(path, results.to_json()?.as_bytes())?;
     }
     if let Some(path) = &ablate.markdown {
-        write_atomically(path, table.markdown().as_bytes())?;
+        let text = table.markdown() + &asked.markdown(results);
+        write_atomically(path, text.as_bytes())?;
     }
     if let Some(path) = &ablate.csv {
         write_atomically(path, table.csv()?.as_bytes())?;
@@ -113,6 +186,15 @@ pub(crate) fn prepare(project: &Project, ablate: &Ablate) -> Result<Ablation, Fa
             )?),
             None => pipelines.iter().position(|pipeline| pipeline.baseline),
         };
+    let asked = &ablate.sweeping.asked;
+    let rivalry = match asked.against.is_empty() {
+        true => None,
+        false => {
+            let names: Vec<&str> = pipelines.iter().map(|p| p.name.as_str()).collect();
+            let baseline = baseline.map(|index| names[index]);
+            Some(Rivalry::of(&asked.ours, &asked.against, &names, baseline)?)
+        }
+    };
     let mut scene = ablate.look.scene(project)?;
     let chosen = ablate
         .look
@@ -123,7 +205,10 @@ pub(crate) fn prepare(project: &Project, ablate: &Ablate) -> Result<Ablation, Fa
     if !chosen {
         scene.water.geometry = truth;
     }
+    let moments = asked.moments(scene.water.time)?;
     Ok(Ablation {
+        moments,
+        rivalry,
         pipelines,
         baseline,
         scene,

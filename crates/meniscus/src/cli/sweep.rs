@@ -39,6 +39,8 @@ pub(crate) struct Sweeping {
     /// change; its name, or a `.ron` file.
     #[arg(long, value_name = "NAME")]
     pub preset: Option<String>,
+    #[command(flatten)]
+    pub asked: super::ablate::Asked,
 }
 
 /// Join the results of parts of a sweep.
@@ -171,6 +173,7 @@ pub(crate) fn run(
             "\n{title}\n{}",
             Table::of(&outcome.results).terminal()
         ))?;
+        say(&ablate.sweeping.asked.below(&outcome.results))?;
         for warning in gathered_warnings(&outcome.results) {
             say(&format!("warning: {warning}\n"))?;
         }
@@ -204,9 +207,10 @@ pub(crate) fn run(
         let mut text = String::new();
         for (point, results) in sweep.places() {
             text.push_str(&format!(
-                "## {}\n\n{}\n",
+                "## {}\n\n{}{}\n",
                 point.label(),
-                Table::of(results).markdown()
+                Table::of(results).markdown(),
+                ablate.sweeping.asked.markdown(results)
             ));
         }
         write_atomically(path, (text + &beside).as_bytes())?;

@@ -12,12 +12,13 @@ use std::fmt::Write as _;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use meniscus_measure::heat::{LogScale, error_map};
-use meniscus_measure::{MeasureError, Results, Table, png_bytes};
+use meniscus_measure::{Claim, Contest, MeasureError, Results, Row, Table, png_bytes};
 use serde_json::{Map, Value};
 
 use crate::ablation::Outcome;
 use crate::output;
 use crate::picture::srgb;
+use crate::rivalry::contests_of;
 use crate::warnings::gathered_warnings;
 
 const STYLE: &str = include_str!("report.css");
@@ -55,8 +56,11 @@ pub fn report(outcome: &Outcome) -> Result<String, MeasureError> {
             );
         });
     }
+    contests(&mut page, results);
     pictures(&mut page, outcome)?;
+    moments(&mut page, results);
     passes(&mut page, results);
+    costs(&mut page, results);
     marginal(&mut page, results);
     provenance(&mut page, results);
     let _ = write!(
@@ -230,6 +234,61 @@ fn passes(page: &mut String, results: &Results) {
     });
 }
 
+/// How the claim stands against each rival, where some were named; else who dominates whom.
+fn contests(page: &mut String, results: &Results) {
+    let contests = contests_of(results);
+    if !contests.is_empty() {
+        section(page, "contests", "Against rivals", |page| {
+            let claim = escaped(&Claim::default().words());
+            let _ = writeln!(
+                page,
+                "<p>Claim: {claim}; and no rival dominates one of ours.</p>"
+            );
+            let rows: Vec<Vec<String>> = contests.iter().map(Contest::cells).collect();
+            page.push_str(&html_table("Against rivals", &Contest::HEADINGS, &rows));
+        });
+        return;
+    }
+    let by = |row: &Row| {
+        let by = row.more.get("dominated_by").and_then(Value::as_array)?;
+        let names: Vec<&str> = by.iter().filter_map(Value::as_str).collect();
+        (!names.is_empty()).then(|| vec![row.pipeline.clone(), names.join(", ")])
+    };
+    let rows: Vec<Vec<String>> = results.rows.iter().filter_map(by).collect();
+    if !rows.is_empty() {
+        section(page, "contests", "Dominated", |page| {
+            page.push_str(
+                "<p>Others are as fast and as right, and better in one of the two.</p>\n",
+            );
+            page.push_str(&html_table("Dominated", &["pipeline", "by"], &rows));
+        });
+    }
+}
+
+/// The worst of each figure, where there were several moments.
+fn moments(page: &mut String, results: &Results) {
+    let rows = crate::moments::table(results);
+    if !rows.is_empty() {
+        section(page, "moments", "The worst of the moments", |page| {
+            page.push_str(
+                "<p>Above stand the means over the moments, and pictures of the first.</p>\n",
+            );
+            let label = "The worst of the moments";
+            page.push_str(&html_table(label, &crate::moments::HEADINGS, &rows));
+        });
+    }
+}
+
+/// What frames take beside time.
+fn costs(page: &mut String, results: &Results) {
+    section(page, "costs", "What a frame takes beside time", |page| {
+        let table = Table::of_costs(results);
+        let _ = writeln!(page, "<p>{}</p>", escaped(&table.notes()));
+        let label = "What a frame takes beside time";
+        page.push_str(&html_table(label, &table.headings(), &table.cells()));
+    });
+}
+
 /// What each filling brings and costs, where slots were put back to their defaults.
 fn marginal(page: &mut String, results: &Results) {
     let rows = crate::marginal::table(results);
@@ -263,7 +322,14 @@ fn provenance(page: &mut String, results: &Results) {
         };
         list(&results.provenance);
         list(&results.settings);
-        list(&results.more);
+        for (name, value) in &results.more {
+            // What has a section of its own is not told again.
+            if let Value::Object(within) = value {
+                list(within);
+            } else if !value.is_array() {
+                list(&Map::from_iter([(name.clone(), value.clone())]));
+            }
+        }
         page.push_str("</dl>\n");
         for row in &results.rows {
             let Some(Value::Object(shaders)) = row.more.get("shaders") else {
