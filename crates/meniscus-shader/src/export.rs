@@ -1,10 +1,11 @@
 //! Shaders in other languages than WGSL, written by naga's back ends.
 
+mod glsl;
+
 use std::collections::BTreeMap;
 
 use meniscus_source::Diagnostic;
-use naga::ShaderStage;
-use naga::back::{glsl, hlsl, msl, spv};
+use naga::back::{hlsl, msl, spv};
 use naga::valid::ModuleInfo;
 
 use crate::ir;
@@ -21,6 +22,8 @@ pub enum Language {
     Msl,
     /// GLSL 4.50: a text for each stage.
     Glsl,
+    /// GLSL ES 3.10: a text for each stage.
+    GlslEs,
 }
 
 /// A shader, or one stage of it, in another language.
@@ -35,8 +38,6 @@ pub struct Exported {
 
 /// The version of Metal's language.
 const METAL: (u8, u8) = (2, 4);
-/// The version of GLSL.
-const GLSL: u16 = 450;
 
 impl Language {
     fn name(self) -> &'static str {
@@ -45,6 +46,7 @@ impl Language {
             Self::Hlsl => "HLSL 6.0",
             Self::Msl => "MSL 2.4",
             Self::Glsl => "GLSL 4.50",
+            Self::GlslEs => "GLSL ES 3.10",
         }
     }
 }
@@ -53,7 +55,8 @@ impl Shader {
     /// The shader in another language, with the values of its numbers (by the names of the
     /// `override`s in the IR; defaults for the others). A resource keeps its number of binding in
     /// SPIR-V, HLSL and GLSL; in Metal, buffers, textures and samplers are counted for themselves,
-    /// in the order of the bindings, and the sizes of arrays follow the buffers.
+    /// in the order of the bindings, and the sizes of arrays follow the buffers. In GLSL, what the
+    /// host must know of flat values stands in the text.
     ///
     /// # Errors
     /// What the language cannot express, and numbers that are no values of their types.
@@ -74,18 +77,28 @@ impl Shader {
             .with_help("take another format; wgsl and spirv hold every shader")
         };
         ir::run_apart(|| {
+            let es = match language {
+                Language::Glsl => Some(false),
+                Language::GlslEs => Some(true),
+                _ => None,
+            };
+            let prepared = es.map(|_| glsl::prepared(self)).transpose();
+            let prepared = prepared.map_err(cannot)?.flatten();
+            let (module, info) = match &prepared {
+                Some((module, info)) => (module, info),
+                None => (&self.module, &self.info),
+            };
             let (module, info) = naga::back::pipeline_constants::process_overrides(
-                &self.module,
-                &self.info,
-                None,
-                &constants,
+                module, info, None, &constants,
             )
             .map_err(|error| Diagnostic::error(format!("the numbers do not suit: {error}")))?;
             match language {
                 Language::SpirV => spirv(&module, &info),
                 Language::Hlsl => hlsl(&module, &info),
                 Language::Msl => self.msl(&module, &info),
-                Language::Glsl => glsl(&module, &info),
+                Language::Glsl | Language::GlslEs => {
+                    glsl::write(module.into_owned(), info.into_owned(), es == Some(true))
+                }
             }
             .map_err(|what| cannot(what).into())
         })
@@ -183,47 +196,4 @@ fn hlsl(module: &naga::Module, info: &ModuleInfo) -> Result<Vec<Exported>, Strin
         name.map_err(|error| error.to_string())?;
     }
     Ok(whole(text.into_bytes()))
-}
-
-fn glsl(module: &naga::Module, info: &ModuleInfo) -> Result<Vec<Exported>, String> {
-    let mut binding_map = glsl::BindingMap::new();
-    for (_, variable) in module.global_variables.iter() {
-        if let Some(place) = variable.binding {
-            let number = u8::try_from(place.binding)
-                .map_err(|_| "it has more than 256 resources".to_owned())?;
-            binding_map.insert(place, number);
-        }
-    }
-    let options = glsl::Options {
-        version: glsl::Version::Desktop(GLSL),
-        binding_map,
-        ..Default::default()
-    };
-    let mut parts = Vec::new();
-    for entry in &module.entry_points {
-        let stage = glsl::PipelineOptions {
-            shader_stage: entry.stage,
-            entry_point: entry.name.clone(),
-            multiview: None,
-        };
-        let mut text = String::new();
-        let policies = naga::proc::BoundsCheckPolicies::default();
-        glsl::Writer::new(&mut text, module, info, &options, &stage, policies)
-            .and_then(|mut writer| writer.write())
-            .map_err(|error| match error {
-                glsl::Error::FirstSamplingNotSupported => {
-                    "flat values come from a triangle's first corner, and GLSL leaves open which corner that is".into()
-                }
-                other => other.to_string(),
-            })?;
-        parts.push(Exported {
-            stage: Some(match entry.stage {
-                ShaderStage::Vertex => "vert",
-                ShaderStage::Fragment => "frag",
-                _ => "comp",
-            }),
-            bytes: text.into_bytes(),
-        });
-    }
-    Ok(parts)
 }

@@ -70,9 +70,11 @@ pub(crate) fn check(
     })
 }
 
-pub(crate) fn shader(written: Written, library: &Library) -> Result<Shader, Report> {
+pub(crate) fn shader(mut written: Written, library: &Library) -> Result<Shader, Report> {
+    let chain = written.chain;
+    let (finished, unread) = run_naga(chain, || finish(&mut written, library))?;
+    let (module, info, stages) = finished;
     let text = written.source.text.as_str();
-    let (module, info, stages) = run_naga(written.chain, || finish(&written, library))?;
     let bindings = bindings(&module, &info, &written.resources, &stages);
     let overrides = written
         .overrides
@@ -93,6 +95,7 @@ pub(crate) fn shader(written: Written, library: &Library) -> Result<Shader, Repo
         entry: written.entry,
         bindings,
         attributes: written.attributes,
+        unread,
         outputs: written.outputs,
         text,
         hash,
@@ -100,8 +103,31 @@ pub(crate) fn shader(written: Written, library: &Library) -> Result<Shader, Repo
     })
 }
 
+/// Parses; where the entry points hand on what nothing reads, writes them again without it.
+fn parse_needed(
+    written: &mut Written,
+    library: &Library,
+) -> Result<(naga::Module, Vec<String>), Report> {
+    let module = parse(written, library)?;
+    let Some(drawing) = &written.drawing else {
+        return Ok((module, Vec::new()));
+    };
+    let unread = drawing.unread(&module);
+    if unread == drawing.unmentioned() {
+        return Ok((module, unread.names()));
+    }
+    let (text, attributes) = drawing.write(&unread);
+    written.source.text.truncate(written.entry_start);
+    written.source.text.push_str(&text);
+    written.attributes = attributes;
+    Ok((parse(written, library)?, unread.names()))
+}
+
 /// Which stages use a variable, by its name: vertex, fragment, compute.
 type Stages = BTreeMap<String, [bool; 3]>;
+
+/// A pruned, bound and validated module, naga's analysis of it, and who uses what.
+type Finished = (naga::Module, ModuleInfo, Stages);
 
 fn parse(written: &Written, library: &Library) -> Result<naga::Module, Report> {
     naga::front::wgsl::parse_str(&written.source.text).map_err(|error| {
@@ -131,18 +157,15 @@ fn validate(
         })
 }
 
-/// Parses, prunes what no entry point uses, binds the resources that are left in the order of their
+/// Parses, prunes what no entry point uses (and tells what was left out between stages), binds the resources that are left in the order of their
 /// names, and validates.
-fn finish(
-    written: &Written,
-    library: &Library,
-) -> Result<(naga::Module, ModuleInfo, Stages), Report> {
-    let mut module = parse(written, library)?;
+fn finish(written: &mut Written, library: &Library) -> Result<(Finished, Vec<String>), Report> {
+    let (mut module, unread) = parse_needed(written, library)?;
     naga::compact::compact(&mut module, naga::compact::KeepUnused::No);
     bind(&mut module);
     let info = validate(&module, ValidationFlags::all(), written, library)?;
     let stages = stages(&module, &info);
-    Ok((module, info, stages))
+    Ok(((module, info, stages), unread))
 }
 
 /// Numbers the resources of group 0 that have no binding, in the order of their names, after those

@@ -9,6 +9,7 @@ mod alone;
 mod check;
 mod compose;
 mod contract;
+mod demand;
 mod entry;
 mod explain;
 mod export;

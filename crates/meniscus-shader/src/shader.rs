@@ -19,6 +19,9 @@ pub struct Shader {
     pub bindings: Vec<Binding>,
     /// Names of the vertex attributes, in the order of their locations.
     pub attributes: Vec<Attribute>,
+    /// Vertex attributes (`vertex.NAME`) and varyings (`fragment.NAME`) that the skeleton has and
+    /// that nothing in this shader reads, so that they are left out.
+    pub unread: Vec<String>,
     /// Names of the outputs, in the order of their locations (fragment) or as bound (compute).
     pub outputs: Vec<String>,
     /// The composed WGSL, with the modules' comments.

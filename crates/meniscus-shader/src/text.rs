@@ -110,6 +110,9 @@ pub(crate) struct Written {
     pub entry: crate::shader::Entry,
     pub attributes: Vec<crate::shader::Attribute>,
     pub outputs: Vec<String>,
+    /// Where the entry points begin in the text, and what writes them again.
+    pub entry_start: usize,
+    pub drawing: Option<entry::Drawing>,
     /// The modules in the shader, and where a pipeline asked for them.
     pub modules: Vec<(String, Option<Place>)>,
     /// Where the skeleton says what it is: for what only shows in the entry points.
@@ -139,6 +142,8 @@ pub(crate) fn write(instances: &Instances, entry: entry::Written) -> Result<Writ
     written.entry = entry.entry;
     written.attributes = entry.attributes;
     written.outputs = entry.outputs;
+    written.entry_start = start;
+    written.drawing = entry.drawing;
     Ok(written)
 }
 
@@ -265,6 +270,8 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
         },
         attributes: Vec::new(),
         outputs: Vec::new(),
+        entry_start: 0,
+        drawing: None,
         modules: instances
             .all
             .iter()

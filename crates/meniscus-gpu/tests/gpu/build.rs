@@ -82,6 +82,7 @@ pub fn shader(text: &str, outputs: &[&str]) -> Arc<Shader> {
         bindings,
         entry,
         attributes,
+        unread: Vec::new(),
         outputs: outputs.iter().map(|&o| o.to_owned()).collect(),
         text: text.to_owned(),
         hash: text.to_owned(),

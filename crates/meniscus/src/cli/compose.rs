@@ -24,8 +24,8 @@ pub(crate) struct Compose {
     /// The language. All but wgsl hold the pass's numbers instead of `override`s.
     #[arg(long, value_enum, default_value = "wgsl")]
     pub format: Format,
-    /// The file to write; standard output if none is given, which spirv is not written to. glsl is
-    /// written to a file for each stage: FILE.vert, FILE.frag.
+    /// The file to write; standard output if none is given, which spirv is not written to. glsl and
+    /// glsl-es are written to a file for each stage: FILE.vert, FILE.frag.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     #[command(flatten)]
@@ -46,6 +46,8 @@ pub(crate) enum Format {
     Msl,
     /// GLSL 4.50.
     Glsl,
+    /// GLSL ES 3.10.
+    GlslEs,
 }
 
 pub(crate) fn run(project: &Project, compose: &Compose) -> Result<(), Failure> {
@@ -79,6 +81,7 @@ pub(crate) fn run(project: &Project, compose: &Compose) -> Result<(), Failure> {
         Format::Hlsl => Some(Language::Hlsl),
         Format::Msl => Some(Language::Msl),
         Format::Glsl => Some(Language::Glsl),
+        Format::GlslEs => Some(Language::GlslEs),
     };
     let parts = match language {
         Some(language) => pass.shader.export(language, &pass.numbers)?,
