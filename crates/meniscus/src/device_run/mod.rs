@@ -77,7 +77,7 @@ impl std::fmt::Display for PassError {
                 draw,
             } => write!(
                 f,
-                "pass `{pass}` reads `{resource}`, which `{draw}` draws; drawing takes a GPU"
+                "pass `{pass}` uses `{resource}`, which hangs on what `{draw}` draws; drawing takes a GPU"
             ),
             Self::NoGpu { pass } => {
                 write!(f, "pass `{pass}` is to run on a GPU, and there is none")
@@ -197,14 +197,19 @@ impl Passes {
             (Device::Gpu, None) => Err(PassError::NoGpu { pass: pass.name }),
             (Device::Cpu, None) => {
                 let used = meniscus_cpu::uses(&pass);
-                if let Some((name, draw)) = used
+                let missing = used
                     .iter()
-                    .find_map(|name| self.missing.get_key_value(*name))
-                {
+                    .find_map(|name| self.missing.get_key_value(*name));
+                if let Some((name, draw)) = missing {
+                    let (resource, draw) = (name.clone(), draw.clone());
+                    // What this pass would have made is missing likewise.
+                    for name in meniscus_cpu::writes(&pass) {
+                        self.missing.insert(name.to_owned(), draw.clone());
+                    }
                     return Err(PassError::NotDrawn {
                         pass: pass.name.clone(),
-                        resource: name.clone(),
-                        draw: draw.clone(),
+                        resource,
+                        draw,
                     });
                 }
                 self.evaluate(index)
