@@ -4,7 +4,7 @@
 // metres.
 //
 // domain: box_inverse(direction unit)
-// domain: box_entry(origin -1e4 to 1e4 from 1e-6, inverse -1e20 to 1e20, low -1e4 to 1e4 from 1e-6, high -1e4 to 1e4 from 1e-6, farthest 0 to 1e30)
+// domain: box_entry(origin -1e4 to 1e4 from 1e-6, inverse -1e20 to 1e20 from 1, low -1e4 to 1e4 from 1e-6, high -1e4 to 1e4 from 1e-6, farthest 0 to 1e30)
 
 // 1 / direction, finite: a ray along an axis plane is taken to leave it very far away.
 fn box_inverse(direction: vec3f) -> vec3f {

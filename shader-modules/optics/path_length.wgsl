@@ -14,9 +14,10 @@ fn place(point: vec3f) -> vec3f {
     let u = path.crossing.tangent;
     let tangents = select(vec2f(u * path.crossing.shrink, u), vec2f(u, u * path.crossing.shrink), path.eye_low);
     let slants = sqrt(1.0 + tangents * tangents);
-    let reach = path.eye_depth * slants.x + path.point_depth * slants.y;
+    // Water point plus what is left of the way, with sin α = n sin β so that nothing is a difference.
+    let depth = path.point_depth * slants.y / slants.x;
+    let shift = path.point_depth * (water.relative_index - 1.0) * tangents.y;
     let apart = length(path.offset);
     let ahead = select(vec2f(0.0), path.offset / max(apart, 1e-18), apart > 0.0);
-    let direction = vec3f(ahead * tangents.x, -water.camera_side) / slants.x;
-    return view_target.eye + reach * direction;
+    return vec3f(point.xy + shift * ahead, water.level - water.camera_side * depth);
 }

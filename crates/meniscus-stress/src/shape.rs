@@ -117,6 +117,34 @@ impl Shape {
     }
 }
 
+impl Shape {
+    /// For every single number the vector of `f32`s that it is part of, as a range of numbers; that
+    /// of itself alone elsewhere.
+    #[must_use]
+    pub fn vectors(&self) -> Vec<std::ops::Range<usize>> {
+        let mut found = Vec::new();
+        self.gather_vectors(&mut found);
+        found
+    }
+
+    fn gather_vectors(&self, found: &mut Vec<std::ops::Range<usize>>) {
+        let first = found.len();
+        match self {
+            Self::Vector {
+                size,
+                kind: Kind::Float,
+            } => found.extend((0..*size).map(|_| first..first + size)),
+            Self::Array { of, length } => (0..*length).for_each(|_| of.gather_vectors(found)),
+            Self::Struct { members, .. } => {
+                for (_, member) in members {
+                    member.gather_vectors(found);
+                }
+            }
+            _ => found.extend((first..first + self.leaf_count()).map(|leaf| leaf..leaf + 1)),
+        }
+    }
+}
+
 impl std::fmt::Display for Shape {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {

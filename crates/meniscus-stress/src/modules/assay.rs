@@ -70,6 +70,8 @@ pub struct Assay {
     pub untrusted: usize,
     /// Inputs where integers or truth values of the result depend on rounding.
     pub branches: usize,
+    /// Inputs where a component of a vector was judged by the vector's length.
+    pub whole: usize,
     /// Share of the random inputs whose error intervals bound.
     pub enclosed: f64,
     /// Where `f32` and `f64` part for the worst input, `FILE:LINE`.
@@ -235,6 +237,7 @@ impl Assay {
             non_finite: 0,
             untrusted: 0,
             branches: 0,
+            whole: 0,
             enclosed: 1.0,
             parts_at: None,
             worst_numbers: Vec::new(),
@@ -263,6 +266,7 @@ impl Assay {
         self.non_finite += findings.non_finite;
         self.untrusted += findings.untrusted;
         self.branches += findings.branches;
+        self.whole += findings.whole;
         self.enclosed = self.enclosed.min(findings.enclosed);
         let cases = &mut self.worst.cases;
         cases.extend(findings.worst.iter().map(|case| WorstCase {

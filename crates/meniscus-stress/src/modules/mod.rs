@@ -3,6 +3,7 @@
 mod assay;
 mod declared;
 mod domain;
+mod exhaustive;
 mod host;
 mod kernel;
 mod truth;
@@ -14,6 +15,7 @@ use meniscus_source::{Diagnostic, Place, Report};
 
 pub use assay::{Assay, WATERS, Worst, WorstCase};
 pub use declared::{Declared, declared};
+pub use exhaustive::Exhaustive;
 pub use host::{Connected, Host};
 pub use kernel::{Device, Kernel, Launcher, Read, Texels};
 pub use truth::{TRUTHS, truth};

@@ -117,6 +117,18 @@ impl Domain {
         self.leaves.len()
     }
 
+    /// The bounds of a single number; none for part of a unit vector and what is no `f32`.
+    #[must_use]
+    pub fn bounds(&self, leaf: usize) -> Option<(f32, f32)> {
+        match self.leaves.get(leaf)?.range {
+            Range::Bits(low, high)
+            | Range::Linear(low, high)
+            | Range::Log(low, high)
+            | Range::Coordinate(low, high, _) => Some((low, high)),
+            Range::Whole(..) | Range::Unit => None,
+        }
+    }
+
     /// Which of the numbers are `f32`s that vary.
     pub fn floats(&self) -> impl Iterator<Item = usize> {
         let fixed = |range: &Range| match *range {

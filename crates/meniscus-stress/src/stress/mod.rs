@@ -117,6 +117,8 @@ pub struct Findings {
     pub untrusted: usize,
     /// Inputs where integers or truth values of the result depend on rounding.
     pub branches: usize,
+    /// Inputs where a component of a vector was judged by the vector's length.
+    pub whole: usize,
     /// Random inputs whose error is bounded by intervals, as a share of them.
     pub enclosed: f64,
     /// The largest bound proven by intervals, where they could decide.
@@ -182,6 +184,7 @@ impl Subject<'_> {
                 non_finite: 0,
                 untrusted: 0,
                 branches: 0,
+                whole: 0,
                 enclosed: enclosed as f64 / random.len().max(1) as f64,
                 proven: 0.0,
                 worst: Vec::new(),
@@ -238,6 +241,7 @@ impl Bag {
             findings.non_finite += usize::from(!verdict.finite);
             findings.untrusted += usize::from(!verdict.trusted);
             findings.branches += usize::from(!verdict.same_branch);
+            findings.whole += usize::from(verdict.whole);
             if verdict.proven.is_finite() {
                 findings.proven = findings.proven.max(verdict.proven);
             }

@@ -4,6 +4,12 @@
 //! which texel is fetched, whether a ray still meets something. So inputs that look bad are tried again
 //! nearby: every argument, block and texel moved by up to [`NEARBY`] ulps. How far the exact results
 //! then lie apart, in units of as many ulps of the result, is a condition number that holds for both.
+//!
+//! A component of a point or a direction that happens to be next to 0 is a difference of large
+//! numbers, of which nobody can know all digits. So where a component by itself is not accounted for,
+//! its error is measured by the longest component of its vector, and [`Verdict::whole`] tells.
+
+use std::ops::Range;
 
 use fastrand::Rng;
 
@@ -11,7 +17,7 @@ use super::domain::Input;
 use super::verdict::{Subject, Verdict};
 use crate::error::Trap;
 use crate::number::{DoubleDouble, Scalar};
-use crate::shape::{Column, Lanes};
+use crate::shape::{Column, Lanes, Shape};
 use crate::ulp::ulp;
 
 /// How far inputs are moved, in ulps; and the error / (1 + condition) from which on they are.
@@ -71,9 +77,17 @@ impl Subject<'_> {
                 hull.add(single, lane, &found, index);
             }
         }
+        let vectors = self.function.result().map(Shape::vectors);
+        let vectors = vectors.unwrap_or_default();
         for (hull, &lane) in hulls.iter().zip(&lanes) {
             let known = |leaf: usize| conditions[leaf][lane];
-            verdicts[lane].reconsider(hull, single, exact, lane, known);
+            let results = Results {
+                single,
+                exact,
+                lane,
+                vectors: &vectors,
+            };
+            verdicts[lane].reconsider(hull, &results, known);
         }
         Ok(())
     }
@@ -99,49 +113,66 @@ impl Hull {
     }
 }
 
+/// What came out of a lane.
+struct Results<'a> {
+    single: &'a Lanes<f32>,
+    exact: &'a Lanes<DoubleDouble>,
+    lane: usize,
+    /// The vector that each number is part of.
+    vectors: &'a [Range<usize>],
+}
+
 impl Verdict {
-    fn reconsider(
-        &mut self,
-        hull: &Hull,
-        single: &Lanes<f32>,
-        exact: &Lanes<DoubleDouble>,
-        lane: usize,
-        known: impl Fn(usize) -> f64,
-    ) {
+    fn reconsider(&mut self, hull: &Hull, results: &Results<'_>, known: impl Fn(usize) -> f64) {
         if !hull.alike {
             (self.scaled, self.rounding) = (f64::INFINITY, f64::INFINITY);
             self.total = f64::INFINITY;
             return;
         }
-        self.scaled = 0.0;
+        let lane = results.lane;
+        let found = |leaf: usize| results.single.columns[leaf].as_f64(lane);
+        // Against the exact result, or the nearest one of those that decide alike.
+        let right = |leaf: usize| {
+            let (low, high) = hull.bounds[leaf];
+            match self.same_branch {
+                true => results.exact.columns[leaf].as_f64(lane),
+                false if low <= high => found(leaf).clamp(low, high),
+                false => f64::NAN,
+            }
+        };
+        let (mut worst, mut whole, mut rounding) = ((0.0, 0.0), false, 0.0_f64);
         for (leaf, &(low, high)) in hull.bounds.iter().enumerate() {
-            let Some(found) = single.floats(leaf).map(|c| f64::from(c[lane])) else {
-                continue;
-            };
-            if low > high {
-                continue;
-            }
-            // Against the exact result, or the nearest one of those that decide alike.
-            let right = match self.same_branch {
-                true => exact.columns[leaf].as_f64(lane),
-                false => found.clamp(low, high),
-            };
-            if !right.is_finite() {
+            let exact = right(leaf);
+            let is_float = matches!(results.single.columns[leaf], Column::Float(_));
+            if !is_float || low > high || !exact.is_finite() {
                 continue;
             }
-            let size = ulp(right);
-            let spread = (high - right).max(right - low).max(0.0) / size;
-            let rounding = (found - right).abs() / size;
+            let spread = (high - exact).max(exact - low).max(0.0);
+            let error = (found(leaf) - exact).abs();
             let derived = if self.same_branch { known(leaf) } else { 0.0 };
-            let condition = derived.max(spread / NEARBY as f64);
-            let scaled = rounding / (1.0 + condition);
-            if scaled >= self.scaled {
-                (self.scaled, self.condition) = (scaled, condition);
+            let judge = |size: f64| {
+                let condition = derived.max(spread / size / NEARBY as f64);
+                (error / size / (1.0 + condition), condition)
+            };
+            let mut judged = judge(ulp(exact));
+            if judged.0 > NEARBY as f64 {
+                let vector = results.vectors.get(leaf).cloned().unwrap_or(leaf..leaf + 1);
+                let longest = vector.map(|i| right(i).abs()).fold(0.0, f64::max);
+                let as_a_whole = judge(ulp(longest));
+                if as_a_whole.0 < judged.0 {
+                    (judged, whole) = (as_a_whole, true);
+                }
             }
-            if !self.same_branch {
-                self.rounding = self.rounding.max(rounding);
-                self.total = self.total.max(rounding);
+            if judged.0 >= worst.0 {
+                worst = judged;
             }
+            rounding = rounding.max(error / ulp(exact));
+        }
+        (self.scaled, self.condition) = worst;
+        self.whole = whole;
+        if !self.same_branch {
+            self.rounding = self.rounding.max(rounding);
+            self.total = self.total.max(rounding);
         }
     }
 }

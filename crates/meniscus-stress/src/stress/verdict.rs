@@ -58,6 +58,8 @@ pub struct Verdict {
     /// not, errors are those against inputs nearby at which they do, and infinite where there is
     /// none.
     pub same_branch: bool,
+    /// Whether a component of a vector was judged by the vector's length.
+    pub whole: bool,
     /// A bound on `rounding` proven by intervals; infinite where they cannot decide.
     pub proven: f64,
 }
@@ -225,6 +227,7 @@ impl Verdict {
         finite: true,
         trusted: true,
         same_branch: true,
+        whole: false,
         proven: 0.0,
     };
 
