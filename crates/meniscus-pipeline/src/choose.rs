@@ -54,7 +54,7 @@ pub(crate) fn choose<'p>(
             Taken::Yes { within_px, because } => {
                 taken.insert(name.as_str());
                 for pass in &shortcut.instead_of {
-                    let because = format!("{because}: `{name}` runs instead");
+                    let because = format!("{because}; `{name}` runs instead");
                     let mut dropped = Dropped::exactly(&pass.value, Rule::Shortcut, because);
                     dropped.within_px = within_px;
                     stands_for.insert(&pass.value, dropped);
@@ -75,7 +75,7 @@ pub(crate) fn choose<'p>(
                 continue;
             }
             Some((rule, Ok(false))) => {
-                let because = format!("it runs when {}", rule.value);
+                let because = format!("`{}` does not hold", rule.value);
                 Some(Dropped::exactly(name, Rule::When, because))
             }
             _ if pruning == Pruning::None => None,

@@ -14,6 +14,8 @@ use crate::uses::Uses;
 const TWO_LETTERS: usize = 15;
 const LINE: usize = 16;
 const SPACE: usize = 12;
+/// How what is left out is drawn.
+const GREY: &str = ", color=gray75, fontcolor=gray60";
 /// Height of the lane of a texture or buffer.
 const LANE: usize = 34;
 
@@ -23,9 +25,43 @@ impl Plan {
     /// reads it. What the host offers is left out. `pipeline`: what the plan was made of. Equal plans
     /// give equal bytes.
     pub fn dot(&self, pipeline: &Pipeline) -> String {
+        self.drawn(pipeline, None)
+    }
+
+    /// The same, with what another plan of the pipeline has and this one has not, in grey.
+    pub fn dot_over(&self, pipeline: &Pipeline, whole: &Plan) -> String {
+        self.drawn(pipeline, Some(whole))
+    }
+
+    fn drawn(&self, pipeline: &Pipeline, whole: Option<&Plan>) -> String {
         let mut text =
             String::from("digraph {\n    rankdir=LR;\n    node [fontname=\"sans-serif\"];\n");
-        for (name, kind) in self.resources() {
+        self.dot_resources(&mut text, "", |_| true);
+        if let Some(whole) = whole {
+            let here =
+                |name: &str| self.textures.contains_key(name) || self.buffers.contains_key(name);
+            whole.dot_resources(&mut text, GREY, |name| !here(name));
+        }
+        for (number, pass) in self.passes.iter().enumerate() {
+            let title = format!("{}. {}", number + 1, pass.name);
+            self.dot_pass(&mut text, &lines(pipeline, title, pass), pass, "");
+        }
+        for pass in whole.iter().flat_map(|whole| &whole.passes) {
+            if let (Some(whole), false) = (whole, self.passes.iter().any(|p| p.name == pass.name)) {
+                whole.dot_pass(
+                    &mut text,
+                    &lines(pipeline, pass.name.clone(), pass),
+                    pass,
+                    GREY,
+                );
+            }
+        }
+        text.push_str("}\n");
+        text
+    }
+
+    fn dot_resources(&self, text: &mut String, style: &str, which: impl Fn(&str) -> bool) {
+        for (name, kind) in self.resources().filter(|(name, _)| which(name)) {
             let shape = match self.textures.contains_key(name) {
                 true => "ellipse",
                 false => "cylinder",
@@ -36,25 +72,28 @@ impl Plan {
             };
             let _ = writeln!(
                 text,
-                "    {} [label={}, shape={shape}{frame}];",
+                "    {} [label={}, shape={shape}{frame}{style}];",
                 quoted(&format!("r {name}")),
                 quoted(&format!("{name}\n{kind}"))
             );
         }
-        for (number, pass) in self.passes.iter().enumerate() {
-            let id = quoted(&format!("p {}", pass.name));
-            let label = lines(pipeline, number, pass).join("\n");
-            let _ = writeln!(text, "    {id} [label={}, shape=box];", quoted(&label));
-            let uses = self.uses(pass);
-            for name in uses.reads {
-                let _ = writeln!(text, "    {} -> {id};", quoted(&format!("r {name}")));
-            }
-            for name in uses.writes {
-                let _ = writeln!(text, "    {id} -> {};", quoted(&format!("r {name}")));
-            }
+    }
+
+    fn dot_pass(&self, text: &mut String, said: &[String], pass: &PlannedPass, style: &str) {
+        let id = quoted(&format!("p {}", pass.name));
+        let label = quoted(&said.join("\n"));
+        let _ = writeln!(text, "    {id} [label={label}, shape=box{style}];");
+        let arrow = match style {
+            "" => String::new(),
+            _ => format!(" [{}]", style.trim_start_matches(", ")),
+        };
+        let uses = self.uses(pass);
+        for name in uses.reads {
+            let _ = writeln!(text, "    {} -> {id}{arrow};", quoted(&format!("r {name}")));
         }
-        text.push_str("}\n");
-        text
+        for name in uses.writes {
+            let _ = writeln!(text, "    {id} -> {}{arrow};", quoted(&format!("r {name}")));
+        }
     }
 
     /// The same as an SVG picture: passes from left to right in the order they run, with what fills
@@ -66,7 +105,7 @@ impl Plan {
             .passes
             .iter()
             .enumerate()
-            .map(|(number, pass)| lines(pipeline, number, pass))
+            .map(|(number, pass)| lines(pipeline, format!("{}. {}", number + 1, pass.name), pass))
             .collect();
         let resources: Vec<(&str, String)> = self.resources().collect();
         let letters = |texts: &[&str]| texts.iter().map(|t| t.chars().count()).max().unwrap_or(0);
@@ -183,9 +222,9 @@ impl Plan {
     }
 }
 
-/// What is said of a pass: its number and name, its skeleton, and what fills its slots.
-fn lines(pipeline: &Pipeline, number: usize, pass: &PlannedPass) -> Vec<String> {
-    let mut said = vec![format!("{}. {}", number + 1, pass.name)];
+/// What is said of a pass: its title, its skeleton, and what fills its slots.
+fn lines(pipeline: &Pipeline, title: String, pass: &PlannedPass) -> Vec<String> {
+    let mut said = vec![title];
     let declared = pipeline.passes.iter().find(|p| p.name.value == pass.name);
     if let Some(declared) = declared {
         said.push(declared.skeleton.value.clone());

@@ -4,6 +4,9 @@ mod checks;
 mod choose;
 mod composed;
 mod diff;
+mod explain;
+mod explain_parts;
+mod explain_text;
 mod facts;
 mod file;
 mod graph;
@@ -23,6 +26,10 @@ mod uses;
 mod variant;
 
 pub use diff::diff;
+pub use explain::{
+    DroppedSaid, Explanation, FactSaid, ModuleSaid, ObjectsSaid, PassSaid, ResourceSaid,
+    ShortcutSaid, Total, Work,
+};
 pub use facts::{Facts, KNOWN as KNOWN_FACTS, check_facts};
 pub use file::{Dispatch, Over, Runs};
 pub use outlook::{Counted, FINE_EDGES_PX, Outlook, Rect, SceneBounds};

@@ -136,10 +136,10 @@ impl Shortcut {
             }
             within_px += most;
         }
-        because.dedup();
         Ok(Taken::Yes {
-            within_px,
-            because: because.join("; "),
+            // Without the last bits that a sum of decimal fractions has.
+            within_px: (within_px * 1e6).round() / 1e6,
+            because: because.join(", "),
         })
     }
 }
@@ -166,8 +166,14 @@ fn changes(
         )));
     }
     *most = most.max(identity.within_px);
-    if !because.contains(&rule.value) {
-        because.push(rule.value);
+    let parts = match rule.value.contains(" or ") {
+        true => vec![rule.value.as_str()],
+        false => rule.value.split(" and ").map(str::trim).collect(),
+    };
+    for fact in parts {
+        if !because.iter().any(|known| known == fact) {
+            because.push(fact.to_owned());
+        }
     }
     for inner in filling.slots.values() {
         if let Some(why) = changes(inner, library, facts, most, because)? {

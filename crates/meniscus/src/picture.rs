@@ -3,15 +3,15 @@
 use std::sync::Arc;
 
 use glam::UVec2;
-use meniscus_gpu::{Gpu, GpuError, PipelineCache, SceneBuffers};
+use meniscus_gpu::{Frame, Gpu, GpuError, PipelineCache, SceneBuffers};
 use meniscus_measure::to_srgb8;
-use meniscus_pipeline::Pipeline;
+use meniscus_pipeline::{Pipeline, Plan, Pruning};
 use meniscus_scene::Scene;
 
 use crate::ablation::AblationError;
 use crate::facts::facts_of;
 use crate::project::Project;
-use crate::subject::{Stage, Subject};
+use crate::subject::rgb;
 
 /// Why there is no picture.
 pub type PictureError = AblationError;
@@ -37,16 +37,31 @@ impl Picture {
         scene: &Scene,
         size: [u32; 2],
     ) -> Result<Self, PictureError> {
+        Self::render_pruned(project, gpu, pipeline, scene, size, Pruning::default())
+    }
+
+    /// Renders a pipeline, of which no more is left out than `pruning` says.
+    ///
+    /// # Errors
+    /// As [`Picture::render`].
+    pub fn render_pruned(
+        project: &Project,
+        gpu: &Gpu,
+        pipeline: &Pipeline,
+        scene: &Scene,
+        size: [u32; 2],
+        pruning: Pruning,
+    ) -> Result<Self, PictureError> {
         check_size(gpu, size)?;
-        let stage = Stage {
-            gpu,
-            composer: &project.composer,
-            cache: &PipelineCache::default(),
-            scene: Arc::new(SceneBuffers::new(gpu, scene)?),
-            size: UVec2::from_array(size),
-            facts: facts_of(scene, size),
-        };
-        let colours = Subject::new(pipeline, &stage)?.colours()?;
+        let facts = facts_of(scene, size);
+        let plan = Plan::pruned(pipeline, &project.composer, &facts, pruning, false)?;
+        let buffers = Arc::new(SceneBuffers::new(gpu, scene)?);
+        let (size_px, cache) = (UVec2::from_array(size), PipelineCache::default());
+        let mut frame = Frame::new(gpu, &plan, buffers, size_px, &cache)?;
+        frame.render()?;
+        let pixels = frame.read(&plan.output)?;
+        let texels = pixels.data.chunks_exact(pixels.channels);
+        let colours = texels.map(rgb).collect();
         Ok(Self { size, colours })
     }
 

@@ -8,6 +8,7 @@ mod compare;
 mod compose;
 mod diff;
 mod eval;
+mod explain;
 mod graph;
 mod list;
 mod moment;
@@ -107,6 +108,7 @@ fn execute(arguments: Arguments) -> Result<(), Failure> {
         Command::Check(check) => check::check(&project, &check),
         Command::Compose(compose) => compose::run(&project, &compose),
         Command::Diff(diff) => diff::run(&project, &diff),
+        Command::Explain(explain) => explain::run(&project, &explain),
         Command::Graph(graph) => graph::run(&project, &graph),
         Command::New(new) => new_module::run(&project, &new),
         Command::Render(render) => render::run(&project, &render),

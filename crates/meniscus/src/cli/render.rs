@@ -14,7 +14,14 @@ pub(crate) fn run(project: &Project, render: &Render) -> Result<(), Failure> {
     let scene = render.look.scene(project)?;
     outputs::check([&render.output], None)?;
     let gpu = Gpu::open(render.look.adapter.as_deref())?;
-    let picture = Picture::render(project, &gpu, &pipelines[0], &scene, render.look.size)?;
+    let picture = Picture::render_pruned(
+        project,
+        &gpu,
+        &pipelines[0],
+        &scene,
+        render.look.size,
+        render.skipping.pruning(),
+    )?;
     write_png(&render.output, picture.size, &picture.srgb())?;
     say(&format!("{} on {}\n", render.output.display(), gpu.facts()))
 }
