@@ -257,6 +257,6 @@ fn numbers(pass: &Pass, shader: &Shader) -> BTreeMap<String, f64> {
         filling.numbers_below(slot, &mut set);
     }
     set.into_iter()
-        .filter_map(|(path, value)| Some((shader.overrides.get(&path)?.clone(), value.value)))
+        .filter_map(|(path, value)| Some((shader.number(&path)?.to_owned(), value.value)))
         .collect()
 }

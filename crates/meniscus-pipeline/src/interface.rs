@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use meniscus_shader::{Binding, BindingKind, Entry, Sample, Shader};
+use meniscus_shader::{Binding, BindingKind, Entry, LIVE_NUMBERS, Sample, Shader};
 use meniscus_source::ron::Spanned;
 use meniscus_source::{Diagnostic, Place};
 use naga::{ScalarKind, TypeInner, VectorSize};
@@ -75,7 +75,7 @@ impl Format {
 }
 
 /// The suffix of the name of a texture that holds what is shown in another.
-pub(crate) const SHOWN: &str = " (shown)";
+pub const SHOWN: &str = " (shown)";
 /// How a variable asks for it: `shown_of_seen_colour`.
 pub(crate) const SHOWN_OF: &str = "shown_of_";
 
@@ -118,7 +118,7 @@ pub(crate) fn check_binding(
     let wrong = |message: String| Some(about_resource(pass, binding, declared, message));
     match binding.kind {
         BindingKind::Uniform(ty) => match host::BLOCKS.iter().find(|(block, _)| block == name) {
-            Some((_, members)) => check_members(&shader.module, ty, members)
+            Some((block, members)) => check_members(&shader.module, ty, block, members)
                 .and_then(|what| wrong(format!("`{name}`: {what}"))),
             None => unknown(
                 pass,
@@ -128,6 +128,8 @@ pub(crate) fn check_binding(
                 host::BLOCKS.iter().map(|(b, _)| *b),
             ),
         },
+        // The composer makes it, and the host fills it.
+        BindingKind::Storage { .. } if name == LIVE_NUMBERS => None,
         BindingKind::Storage { ty, read_only } => {
             if pipeline.buffers.contains_key(name) {
                 return (binding.in_vertex && !read_only)
@@ -152,7 +154,7 @@ pub(crate) fn check_binding(
                 TypeInner::Array { base, .. } => base,
                 _ => return wrong(format!("`{name}` is an array")),
             };
-            check_members(&shader.module, element, members)
+            check_members(&shader.module, element, name, members)
                 .and_then(|what| wrong(format!("`{name}`: {what}")))
         }
         BindingKind::Sampler => (!host::SAMPLERS.contains(&name.as_str()))
@@ -257,10 +259,11 @@ fn unknown<'a>(
     Some(about_resource(pass, binding, declared, message).with_suggestion(name, known))
 }
 
-/// What is wrong with a struct whose members the host is to write.
+/// What is wrong with a struct of a block or array, whose members the host is to write.
 fn check_members(
     module: &naga::Module,
     ty: naga::Handle<naga::Type>,
+    resource: &str,
     members: Members,
 ) -> Option<String> {
     let TypeInner::Struct {
@@ -272,6 +275,15 @@ fn check_members(
     for member in declared {
         let name = member.name.as_deref().unwrap_or_default();
         let found = module.types[member.ty].inner.clone();
+        if let Some(elements) = host::block_array(resource, name) {
+            let TypeInner::Array { base, .. } = found else {
+                return Some(format!("the member `{name}` is an array of structs"));
+            };
+            match check_members(module, base, name, elements) {
+                Some(what) => return Some(format!("`{name}`: {what}")),
+                None => continue,
+            }
+        }
         match members.iter().find(|(known, _)| *known == name) {
             None => {
                 let names: Vec<_> = members

@@ -8,18 +8,14 @@ use meniscus_source::{Diagnostic, Report};
 
 use crate::compose::{Composer, Output, Recipe, Stage};
 use crate::library::{Library, Module, Role};
-use crate::{contract, instance, ir, text};
+use crate::{instance, ir, numbers, text};
 
 impl Composer {
     /// Checks numbers that a pass gives its skeleton: that they are declared, in range, and of
     /// their type. Those of fillings are checked when they are composed.
-    pub fn check_numbers(
-        &self,
-        skeleton: &str,
-        numbers: &BTreeMap<String, Spanned<f64>>,
-    ) -> Report {
+    pub fn check_numbers(&self, skeleton: &str, values: &BTreeMap<String, Spanned<f64>>) -> Report {
         let module = self.library().get(skeleton);
-        module.map_or_else(Report::default, |m| contract::check_numbers(m, numbers))
+        module.map_or_else(Report::default, |m| numbers::check_numbers(m, values))
     }
 
     /// Checks one module with what it needs, its slots filled by their default bodies: that it is

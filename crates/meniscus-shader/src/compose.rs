@@ -194,7 +194,10 @@ impl Composer {
         let instances = self.resolve(skeleton, recipe);
         let entry = entry::write(skeleton, recipe);
         match (instances, entry) {
-            (Ok(instances), Ok(entry)) => text::write(&instances, entry),
+            (Ok(mut instances), Ok(entry)) => {
+                instances.live = true;
+                text::write(&instances, entry)
+            }
             (instances, entry) => {
                 let mut report = instances.err().unwrap_or_default();
                 report.extend(entry.err().unwrap_or_default());

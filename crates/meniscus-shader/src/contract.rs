@@ -2,14 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use meniscus_source::ron::Spanned;
-use meniscus_source::{Diagnostic, Place, Report};
+use meniscus_source::{Diagnostic, Place};
 
 use crate::filling::Filling;
 use crate::instance::{Resolver, variables};
 use crate::library::Module;
-use crate::outline::ItemKind;
-use crate::signature;
+use crate::{numbers, signature};
 
 impl<'l> Resolver<'l, '_> {
     /// A filling provides its slot, with the slot's functions.
@@ -75,7 +73,8 @@ impl<'l> Resolver<'l, '_> {
     }
 
     pub fn check_numbers(&mut self, module: &Module, filling: &Filling) {
-        self.report.extend(check_numbers(module, &filling.numbers));
+        self.report
+            .extend(numbers::check_numbers(module, &filling.numbers));
     }
 
     /// What is filled must be a slot: of the module, or one that something within may ask for.
@@ -166,68 +165,4 @@ impl<'l> Resolver<'l, '_> {
             }
         }
     }
-}
-
-/// The values that a number of a type can have.
-fn range_of_type(ty: &str) -> (f64, f64) {
-    match ty {
-        "bool" => (0.0, 1.0),
-        "i32" => (f64::from(i32::MIN), f64::from(i32::MAX)),
-        "u32" => (0.0, f64::from(u32::MAX)),
-        _ => (f64::from(f32::MIN), f64::from(f32::MAX)),
-    }
-}
-
-/// Numbers must be declared by their module, lie in its range, and fit their type.
-pub(crate) fn check_numbers(module: &Module, numbers: &BTreeMap<String, Spanned<f64>>) -> Report {
-    let mut found = Report::default();
-
-    for (name, value) in numbers {
-        let report = |report: &mut Report, diagnostic: Diagnostic, words: &str| {
-            report.add(match &value.place {
-                Some(place) => diagnostic.at(place, words),
-                None => diagnostic,
-            });
-        };
-        if module
-            .header
-            .slots
-            .iter()
-            .any(|slot| slot.name.text == *name)
-        {
-            let wrong = Diagnostic::error(format!("the slot `{name}` wants a module"));
-            report(&mut found, wrong, "a number");
-            continue;
-        }
-        if !module.overrides().any(|item| item.name == *name) {
-            let known = module.overrides().map(|item| item.name.as_str());
-            let unknown = Diagnostic::error(format!("`{}` has no number `{name}`", module.path))
-                .with_suggestion(name, known);
-            report(&mut found, unknown, "unknown number");
-            continue;
-        }
-        let number = module.header.number(name);
-        let ty = match module.item(name).map(|item| &item.kind) {
-            Some(ItemKind::Override { ty }) => ty.as_str(),
-            _ => "",
-        };
-        let (low, high) = range_of_type(ty);
-        let least = number.map_or(low, |n| n.least.max(low));
-        let most = number.map_or(high, |n| n.most.min(high));
-        if !(least..=most).contains(&value.value) {
-            let unit = number
-                .filter(|n| !n.unit.is_empty())
-                .map_or(String::new(), |n| format!(" {}", n.unit));
-            let wrong = Diagnostic::error(format!(
-                "`{name}` of `{}` goes from {least} to {most}{unit}",
-                module.path
-            ));
-            report(&mut found, wrong, &format!("{} is outside", value.value));
-        } else if matches!(ty, "i32" | "u32") && value.value.fract() != 0.0 {
-            let wrong =
-                Diagnostic::error(format!("`{name}` of `{}` is a whole number", module.path));
-            report(&mut found, wrong, &format!("{} is none", value.value));
-        }
-    }
-    found
 }

@@ -88,6 +88,8 @@ pub struct Number {
     pub step: f64,
     /// Unit, empty for none.
     pub unit: String,
+    /// Whether it may change while a plan runs, without a new pipeline.
+    pub live: bool,
 }
 
 /// `when FACT and FACT: MODULE`
@@ -234,8 +236,6 @@ impl Header {
     }
 }
 
-/// The `//` lines at the top of a text, up to the first line that is none: what follows a blank
-/// line belongs to a declaration.
 /// The first sentence, if it has come to its end: at a full stop before a capital letter or a name
 /// in code. One at the end of a line may be that of an abbreviation, but then a sentence is cut short.
 fn sentence(text: &str) -> Option<&str> {
@@ -251,6 +251,8 @@ fn sentence(text: &str) -> Option<&str> {
     stops.find(|at| opens(&text[*at..])).map(|at| &text[..at])
 }
 
+/// The `//` lines at the top of a text, up to the first line that is none: what follows a blank
+/// line belongs to a declaration.
 fn leading_lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     let mut at = 0;
     text.split_inclusive('\n')
@@ -318,16 +320,20 @@ fn within_px(said: &Name) -> Result<f64, Diagnostic> {
     })
 }
 
-/// `LEAST to MOST [UNIT][, step STEP]`
+/// `LEAST to MOST [UNIT][, step STEP][, live]`
 fn number(name: Name, said: &Name) -> Result<Number, Diagnostic> {
     let wrong = |what: &str| {
         Diagnostic::error(format!("the number `{}` is declared wrongly: {what}", name.text))
             .at(&said.place, "")
-            .with_help("write `number NAME: LEAST to MOST UNIT, step STEP`, for example `number taps: 1 to 8, step 1`")
+            .with_help("write `number NAME: LEAST to MOST UNIT, step STEP`, for example `number taps: 1 to 8, step 1`; `, live` at the end lets it change while a plan runs")
     };
-    let (range, step) = match said.text.split_once(", step ") {
+    let (said_of_it, live) = match said.text.strip_suffix(", live") {
+        Some(before) => (before, true),
+        None => (said.text.as_str(), false),
+    };
+    let (range, step) = match said_of_it.split_once(", step ") {
         Some((range, step)) => (range, step.trim()),
-        None => (said.text.as_str(), "0"),
+        None => (said_of_it, "0"),
     };
     let mut words = range.split_whitespace();
     let mut value = || {
@@ -354,6 +360,7 @@ fn number(name: Name, said: &Name) -> Result<Number, Diagnostic> {
         most,
         step,
         unit,
+        live,
     })
 }
 

@@ -32,6 +32,8 @@ pub(crate) struct Instance<'l> {
     pub slots: Vec<(&'l SlotUse, usize)>,
     /// The modules it needs.
     pub needs: Vec<usize>,
+    /// Values of its constants, where the pipeline sets them.
+    pub constants: BTreeMap<String, f64>,
     /// Where a pipeline asked for it, or for what brought it in.
     pub place: Option<Place>,
 }
@@ -51,6 +53,8 @@ pub(crate) struct Instances<'l> {
     pub all: Vec<Instance<'l>>,
     /// The resources that variables of the whole shader are connected to, by variable.
     pub reads: BTreeMap<String, String>,
+    /// Whether live numbers are members of a buffer, rather than `override`s like the others.
+    pub live: bool,
     /// Warnings about fillings that nothing asks for.
     pub unused: Report,
 }
@@ -121,6 +125,7 @@ pub(crate) fn resolve<'l>(
         reads: BTreeMap::new(),
         slots,
         needs,
+        constants: BTreeMap::new(),
         place: place.cloned(),
     });
     let unused = resolver.unused();
@@ -148,6 +153,7 @@ pub(crate) fn resolve<'l>(
     report.into_result(Instances {
         all: instances,
         reads,
+        live: false,
         unused,
     })
 }
@@ -363,6 +369,15 @@ impl<'l, 'r> Resolver<'l, 'r> {
         });
         let instance = self.instance(module, Some(slot), role, inner, Asked::At(place));
         self.check_requirements(instance, inner);
+        let is_constant = |name: &str| {
+            let item = module.item(name);
+            item.is_some_and(|item| matches!(item.kind, ItemKind::Constant { .. }))
+        };
+        let constants = filling.numbers.iter();
+        self.instances[instance].constants = constants
+            .filter(|(name, _)| is_constant(name))
+            .map(|(name, value)| (name.clone(), value.value))
+            .collect();
         Some(instance)
     }
 
@@ -390,7 +405,7 @@ impl<'l, 'r> Resolver<'l, 'r> {
             parts,
         );
         // Every filling has numbers of its own; a default has the defaults everywhere.
-        let numbers = slot.is_some() && module.overrides().next().is_some();
+        let numbers = slot.is_some() && module.numbers().next().is_some();
         let (shareable, place) = match asked {
             Asked::ByDefault => (true, None),
             Asked::At(place) => (!numbers, place),
@@ -405,6 +420,7 @@ impl<'l, 'r> Resolver<'l, 'r> {
             reads,
             slots,
             needs,
+            constants: BTreeMap::new(),
             place: place.cloned(),
         });
         if shareable {

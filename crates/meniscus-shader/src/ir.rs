@@ -7,7 +7,8 @@ use naga::valid::{Capabilities, GlobalUse, ModuleInfo, ValidationFlags, Validato
 
 use crate::explain::{chain_of, explain};
 use crate::library::Library;
-use crate::shader::{Binding, BindingKind, Sample, Shader};
+use crate::numbers::LIVE_NUMBERS;
+use crate::shader::{Binding, BindingKind, LiveNumber, Sample, Shader};
 use crate::text::Written;
 
 /// naga's parser recurses; texts that nest deeply are given a stack that they cannot exhaust within
@@ -74,7 +75,6 @@ pub(crate) fn shader(mut written: Written, library: &Library) -> Result<Shader, 
     let chain = written.chain;
     let (finished, unread) = run_naga(chain, || finish(&mut written, library))?;
     let (module, info, stages) = finished;
-    let text = written.source.text.as_str();
     let bindings = bindings(&module, &info, &written.resources, &stages);
     let overrides = written
         .overrides
@@ -87,6 +87,8 @@ pub(crate) fn shader(mut written: Written, library: &Library) -> Result<Shader, 
         })
         .map(|(path, name)| (path.clone(), name.clone()))
         .collect();
+    let live = live(&module, std::mem::take(&mut written.live));
+    let text = written.source.text.as_str();
     let hash = blake3::hash(text.as_bytes()).to_hex().to_string();
     let text = with_bindings(text, &written.variables, &bindings);
     Ok(Shader {
@@ -100,7 +102,25 @@ pub(crate) fn shader(mut written: Written, library: &Library) -> Result<Shader, 
         text,
         hash,
         overrides,
+        live,
     })
+}
+
+/// The live numbers of a module that uses them, and where they stand.
+fn live(module: &naga::Module, numbers: Vec<LiveNumber>) -> Vec<LiveNumber> {
+    let mut variables = module.global_variables.iter();
+    let buffer = variables.find(|(_, v)| v.name.as_deref() == Some(LIVE_NUMBERS));
+    let members = match buffer.map(|(_, variable)| &module.types[variable.ty].inner) {
+        Some(naga::TypeInner::Struct { members, .. }) => members.as_slice(),
+        _ => &[],
+    };
+    let placed = |mut number: LiveNumber| {
+        let mut members = members.iter();
+        let member = members.find(|m| m.name.as_deref() == Some(number.member()))?;
+        number.offset = member.offset;
+        Some(number)
+    };
+    numbers.into_iter().filter_map(placed).collect()
 }
 
 /// Parses; where the entry points hand on what nothing reads, writes them again without it.

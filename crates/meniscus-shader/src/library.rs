@@ -153,13 +153,6 @@ impl Module {
         self.functions().map(|item| item.name.as_str())
     }
 
-    pub(crate) fn overrides(&self) -> impl Iterator<Item = &Item> {
-        self.outline
-            .items
-            .iter()
-            .filter(|item| matches!(item.kind, ItemKind::Override { .. }))
-    }
-
     /// Everything but a skeleton must run in every stage and without effects; bindings are the
     /// composer's.
     fn check_purity(&self, report: &mut Report) {
@@ -424,19 +417,7 @@ impl Library {
                 }
             }
         }
-        for number in &header.numbers {
-            let declared: Vec<&str> = module.overrides().map(|item| item.name.as_str()).collect();
-            if !declared.contains(&number.name.text.as_str()) {
-                report.add(
-                    Diagnostic::error(format!(
-                        "`{}` declares no `override {}`",
-                        module.path, number.name.text
-                    ))
-                    .at(&number.name.place, "a range for a number that is not there")
-                    .with_suggestion(&number.name.text, declared),
-                );
-            }
-        }
+        module.check_declared_numbers(report);
     }
 
     /// The message about a slot that is not there.

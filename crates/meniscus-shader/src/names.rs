@@ -11,6 +11,7 @@ use std::rc::Rc;
 
 use crate::instance::{Instance, Instances};
 use crate::library::Module;
+use crate::numbers::LIVE_NUMBERS;
 use crate::outline::{Item, ItemKind};
 use crate::predeclared::{is_entry, is_predeclared};
 
@@ -125,7 +126,7 @@ impl Namer<'_> {
         let items = &instance.module.outline.items;
         let mut own: HashMap<&str, Rc<str>> = HashMap::default();
         for item in items {
-            if let Some(name) = self.own_name(instance, item, &instances.reads) {
+            if let Some(name) = self.own_name(instance, item, instances) {
                 own.insert(&item.name, name);
             }
         }
@@ -156,7 +157,7 @@ impl Namer<'_> {
         &mut self,
         instance: &Instance,
         item: &Item,
-        shared: &std::collections::BTreeMap<String, String>,
+        instances: &Instances,
     ) -> Option<Rc<str>> {
         let role = instance.role.join("_");
         let name = &item.name;
@@ -174,7 +175,10 @@ impl Namer<'_> {
                 if resource.is_none() && !is_predeclared(name) {
                     return Some(Rc::from(&**name));
                 }
-                let resource = resource.or(shared.get(name)).unwrap_or(name).clone();
+                let resource = resource
+                    .or(instances.reads.get(name))
+                    .unwrap_or(name)
+                    .clone();
                 let key = (name.clone(), resource);
                 if let Some(known) = self.connected.get(&key) {
                     return Some(known.clone());
@@ -183,12 +187,37 @@ impl Namer<'_> {
                 self.connected.insert(key, made.clone());
                 Some(made)
             }
+            (ItemKind::Override { .. }, _)
+                if instances.live && instance.module.live(item).is_some() =>
+            {
+                Some(self.member(&role, name))
+            }
             (ItemKind::Override { .. }, _) if !role.is_empty() => {
+                Some(self.fresh(&format!("{role}_{name}")))
+            }
+            (ItemKind::Constant { .. }, Some(_))
+                if instance.module.header.number(name).is_some() =>
+            {
                 Some(self.fresh(&format!("{role}_{name}")))
             }
             (ItemKind::Assertion, _) => Some(format!("{} {name}", instance.module.path).into()),
             _ => None,
         }
+    }
+
+    /// A member of the buffer of live numbers.
+    fn member(&mut self, role: &str, name: &str) -> Rc<str> {
+        let plain = match role {
+            "" => name.to_owned(),
+            role => format!("{role}_{name}"),
+        };
+        let mut member: Rc<str> = format!("{LIVE_NUMBERS}.{plain}").into();
+        let mut number = 2;
+        while !self.made.insert(member.clone()) {
+            member = format!("{LIVE_NUMBERS}.{plain}_{number}").into();
+            number += 1;
+        }
+        member
     }
 
     /// A name that nothing else has.

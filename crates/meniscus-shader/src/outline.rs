@@ -56,8 +56,8 @@ pub(crate) enum ItemKind {
     Variable { space: String, ty: String },
     /// `override`, with its type (empty when inferred).
     Override { ty: String },
-    /// `const`.
-    Constant,
+    /// `const`, with its type (empty when inferred).
+    Constant { ty: String },
     /// `alias`, with what it stands for.
     Alias(String),
     /// `const_assert`, which has no name but is given one.
@@ -151,7 +151,9 @@ impl Outline {
                     "override" => ItemKind::Override {
                         ty: declared_type(text, after),
                     },
-                    "const" => ItemKind::Constant,
+                    "const" => ItemKind::Constant {
+                        ty: declared_type(text, after),
+                    },
                     "alias" => {
                         let ty = after.split_last().map_or(&[][..], |(_, ty)| ty);
                         ItemKind::Alias(join(text, ty.get(1..).unwrap_or(&[])))

@@ -171,6 +171,8 @@ const ENTRY: &[&str] = &[
     "vertex_main",
     "fragment_main",
     "compute_main",
+    "LiveNumbers",
+    "live_numbers",
     "PassOutputs",
     "PassPixels",
     "PassVarying",

@@ -31,6 +31,70 @@ pub struct Shader {
     /// For every number of every filling, by its path (`intersect.step.taps`), the name of the
     /// `override` in the IR. Numbers that no entry point uses are absent.
     pub overrides: BTreeMap<String, String>,
+    /// The numbers that may change while a plan runs: members of the read-only storage buffer
+    /// [`LIVE_NUMBERS`](crate::LIVE_NUMBERS), in their order.
+    pub live: Vec<LiveNumber>,
+}
+
+impl Shader {
+    /// What a number of a path is called: the name of its `override`, or that of a live number.
+    /// None where nothing uses it, and for constants, whose values are in the text.
+    pub fn number(&self, path: &str) -> Option<&str> {
+        let live = || self.live.iter().find(|number| number.path == path);
+        let found = self.overrides.get(path).map(String::as_str);
+        found.or_else(|| live().map(|number| number.name.as_str()))
+    }
+
+    /// The content of the buffer of live numbers, little-endian; empty where there are none. Numbers
+    /// have their defaults unless `value` knows them, by their [`LiveNumber::name`].
+    pub fn live_bytes(&self, value: impl Fn(&str) -> Option<f64>) -> Vec<u8> {
+        let length = self.live.iter().map(|number| number.offset as usize + 4);
+        let mut bytes = vec![0; length.max().unwrap_or(0)];
+        for number in &self.live {
+            let at = number.offset as usize;
+            let value = value(&number.name).unwrap_or(number.default);
+            bytes[at..at + 4].copy_from_slice(&number.bytes(value));
+        }
+        bytes
+    }
+}
+
+/// A number that changes while a plan runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LiveNumber {
+    /// Its path: `intersect.bound_px`.
+    pub path: String,
+    /// What the composed text calls it: `live_numbers.intersect_bound_px`.
+    pub name: String,
+    /// Bytes before it in the buffer.
+    pub offset: u32,
+    /// Its type: `f32`, `i32` or `u32`.
+    pub scalar: naga::Scalar,
+    /// The value that its module gives it.
+    pub default: f64,
+    /// Smallest value.
+    pub least: f64,
+    /// Largest value.
+    pub most: f64,
+}
+
+impl LiveNumber {
+    /// The name of its member in the buffer.
+    pub fn member(&self) -> &str {
+        self.name.rsplit('.').next().unwrap_or(&self.name)
+    }
+
+    /// Its value in the buffer, little-endian. What lies outside its range becomes the nearest value
+    /// in it, what is no number the default, and a fraction is cut off where it is a whole number.
+    pub fn bytes(&self, value: f64) -> [u8; 4] {
+        let value = if value.is_nan() { self.default } else { value };
+        let value = value.max(self.least).min(self.most);
+        match self.scalar.kind {
+            naga::ScalarKind::Sint => (value as i32).to_le_bytes(),
+            naga::ScalarKind::Uint => (value as u32).to_le_bytes(),
+            _ => (value as f32).to_le_bytes(),
+        }
+    }
 }
 
 /// The entry points of a shader.

@@ -1,95 +1,25 @@
 //! Concatenation: every instance's reachable items, under names that are unique in the shader.
 
+mod parts;
+mod source;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
-use std::ops::Range;
-use std::sync::Arc;
 
-use meniscus_source::{Diagnostic, Place, Report, SourceFile};
-
-use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
+use meniscus_source::{Place, Report};
+use rustc_hash::FxHashSet as HashSet;
 
 use crate::entry;
 use crate::instance::{Instance, Instances, variables};
 use crate::lexer::tokens;
-use crate::library::{Module, Role};
+use crate::library::Module;
 use crate::names::{Names, name_all};
+use crate::numbers::{Bounds, LIVE_NUMBERS, LIVE_TYPE, literal};
 use crate::outline::{Item, ItemKind, Outline};
-use crate::predeclared::is_predeclared;
-
-/// A composed text, and where each part of it came from.
-#[derive(Debug, Default)]
-pub(crate) struct Source {
-    pub text: String,
-    segments: Vec<Segment>,
-}
-
-#[derive(Debug)]
-struct Segment {
-    /// Bytes of the composed text.
-    range: Range<usize>,
-    /// Where they stand in what the user wrote.
-    place: Place,
-    /// Whether each byte maps onto one; otherwise (a renamed word) the whole onto the whole.
-    exact: bool,
-}
-
-impl Source {
-    fn copy(&mut self, file: &Arc<SourceFile>, range: Range<usize>) {
-        let start = self.text.len();
-        self.text.push_str(&file.text[range.clone()]);
-        self.segments.push(Segment {
-            range: start..self.text.len(),
-            place: Place::new(file, range),
-            exact: true,
-        });
-    }
-
-    fn rename(&mut self, file: &Arc<SourceFile>, range: Range<usize>, name: &str) {
-        let start = self.text.len();
-        self.text.push_str(name);
-        self.segments.push(Segment {
-            range: start..self.text.len(),
-            place: Place::new(file, range),
-            exact: false,
-        });
-    }
-
-    /// Where a range of the composed text was written.
-    pub fn origin(&self, range: Range<usize>) -> Option<Place> {
-        let index = self
-            .segments
-            .partition_point(|s| s.range.end <= range.start);
-        let Some(first) = self
-            .segments
-            .get(index)
-            .filter(|s| s.range.start <= range.start)
-        else {
-            // Right behind a part, where something is missing, the part's end is meant.
-            let before = self.segments.get(index.checked_sub(1)?)?;
-            let gap = self.text.get(before.range.end..range.start)?;
-            let end = before.place.range.end;
-            return gap
-                .trim()
-                .is_empty()
-                .then(|| Place::new(&before.place.file, end..end));
-        };
-        let start = match first.exact {
-            true => first.place.range.start + (range.start - first.range.start),
-            false => first.place.range.start,
-        };
-        // The end may lie in a later segment of the same file.
-        let end = self.segments[index..]
-            .iter()
-            .take_while(|s| s.range.start < range.end && s.place.file == first.place.file)
-            .last()
-            .map_or(first.place.range.end, |last| match last.exact {
-                true => last.place.range.start + (range.end.min(last.range.end) - last.range.start),
-                false => last.place.range.end,
-            });
-        Some(Place::new(&first.place.file, start..end.max(start)))
-    }
-}
+use crate::shader::LiveNumber;
+pub(crate) use parts::MAX_CHAIN;
+use parts::{collect, reach, too_long};
+pub(crate) use source::Source;
 
 /// A shader's text, before naga has seen it.
 #[derive(Debug)]
@@ -105,6 +35,8 @@ pub(crate) struct Written {
     pub declarations: BTreeMap<String, Place>,
     /// The `override` of each number, by the number's path.
     pub overrides: BTreeMap<String, String>,
+    /// The numbers that stand in a buffer, in the order of their members; where, is not yet known.
+    pub live: Vec<LiveNumber>,
     /// For each name that was changed, what was written.
     pub originals: BTreeMap<String, String>,
     pub entry: crate::shader::Entry,
@@ -184,16 +116,24 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
     }
     let mut written = HashSet::default();
     let mut variable_starts = Vec::new();
+    let mut live = Vec::new();
     let mut chain = 0;
     let mut report = Report::default();
     for (index, part) in all.iter().enumerate() {
         let instance = &instances.all[index];
         // Several instances may share an item, and several modules a resource.
-        let wanted: Vec<_> = part
+        let mut wanted: Vec<_> = part
             .items
             .iter()
             .filter(|(name, _)| reached.contains(name) && written.insert(*name))
             .collect();
+        wanted.retain(|(name, item)| {
+            let number = instances.live.then(|| live_number(instance, item, name));
+            let number = number.flatten();
+            let stays = number.is_none();
+            live.extend(number);
+            stays
+        });
         if wanted.is_empty() {
             continue;
         }
@@ -207,7 +147,7 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
             if item.chain.0 > MAX_CHAIN {
                 report.add(too_long(instance.module, item));
             }
-            let start = copy_item(&mut source, instance.module, item, &names[index]);
+            let start = copy_item(&mut source, instance, item, &names[index]);
             if matches!(item.kind, ItemKind::Variable { .. }) {
                 variable_starts.push((start, names[index][item.name.as_str()].to_string()));
             }
@@ -216,9 +156,12 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
     }
 
     report.into_result(())?;
+    live.sort_by(|a, b| a.name.cmp(&b.name));
+    variable_starts.extend(write_live(&mut source, &live));
 
     // The entry points' own variables are connected like everything that is shared.
     let mut resources = instances.reads.clone();
+    resources.insert(LIVE_NUMBERS.to_owned(), LIVE_NUMBERS.to_owned());
     let mut declarations = BTreeMap::new();
     let mut overrides = BTreeMap::new();
     let mut originals = BTreeMap::new();
@@ -232,16 +175,18 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
                 declarations.entry(names[name].to_string()).or_insert(place);
             }
         }
-        for number in instance.module.overrides() {
-            let path = match instance.role.is_empty() {
-                true => number.name.clone(),
-                false => format!("{}.{}", instance.role.join("."), number.name),
-            };
-            overrides.insert(path, names[number.name.as_str()].to_string());
+        for number in instance.module.numbers() {
+            let is_override = matches!(number.kind, ItemKind::Override { .. });
+            if is_override && !(instances.live && instance.module.live(number).is_some()) {
+                let name = names[number.name.as_str()].to_string();
+                overrides.insert(path_of(instance, number), name);
+            }
         }
         for (original, name) in names.iter().filter(|(a, b)| a != b) {
+            // naga speaks of the member alone.
+            let name = name.rsplit('.').next().unwrap_or(name);
             let known = originals
-                .entry(name.to_string())
+                .entry(name.to_owned())
                 .or_insert_with(|| original.to_string());
             // Several callers may have names of their own for it: take the same one every time.
             if **original < **known {
@@ -263,6 +208,7 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
         resources,
         declarations,
         overrides,
+        live,
         originals,
         entry: crate::shader::Entry::Compute {
             name: String::new(),
@@ -281,180 +227,90 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
     })
 }
 
-/// An instance's items under their names in the shader.
-struct Part<'p> {
-    items: Vec<(&'p str, &'p Item)>,
-    directives: Vec<Place>,
-    /// For each item, the shader's names it mentions.
-    mentions: Vec<Vec<&'p str>>,
-}
-
-fn collect<'p>(instances: &'p Instances, names: &'p [Names], report: &mut Report) -> Vec<Part<'p>> {
-    let mut declared: HashMap<&str, (&Module, &Item)> = HashMap::default();
-    let mut all = Vec::new();
-    for (instance, names) in instances.all.iter().zip(names) {
-        let module = instance.module;
-        let mut part = Part {
-            items: Vec::new(),
-            directives: module
-                .outline
-                .directives
-                .iter()
-                .map(|d| module.place(d.clone()))
-                .collect(),
-            mentions: Vec::new(),
-        };
-        for item in &module.outline.items {
-            let name = &*names[item.name.as_str()];
-            match declared.get(name) {
-                Some((other, first)) => {
-                    let shared =
-                        matches!(item.kind, ItemKind::Variable { .. }) && item.kind == first.kind;
-                    // Items of one module that have one name are the same, unless it has two.
-                    let same = other.path == module.path && item.range == first.range;
-                    if !shared && !same {
-                        report.add(redefinition(module, item, other, first));
-                    }
-                }
-                None => {
-                    declared.insert(name, (module, item));
-                }
-            }
-            let mentions = item
-                .spellings
-                .iter()
-                .map(|&index| &module.file.text[module.outline.tokens[index].range.clone()])
-                .map(|word| names.get(word).map_or(word, |name| name));
-            part.mentions.push(mentions.collect());
-            part.items.push((name, item));
-        }
-        all.push(part);
+/// A number's path: the slots that lead to its instance, and its name.
+fn path_of(instance: &Instance, number: &Item) -> String {
+    match instance.role.is_empty() {
+        true => number.name.clone(),
+        false => format!("{}.{}", instance.role.join("."), number.name),
     }
-    let mut seen = BTreeSet::new();
-    for (instance, names) in instances.all.iter().zip(names) {
-        if seen.insert(&instance.module.path) {
-            check_needs(instance, names, &declared, report);
-        }
-    }
-    all
 }
 
-/// The longest chain of operators, accesses, brackets or `else if`s that is handed to naga.
-pub(crate) const MAX_CHAIN: usize = 1000;
-
-fn too_long(module: &Module, item: &Item) -> Diagnostic {
-    let token = &module.outline.tokens[item.chain.1];
-    Diagnostic::error(format!(
-        "more than {MAX_CHAIN} operators, `else`s and brackets in one go"
-    ))
-    .at(&module.place(token.range.clone()), "here it is longest")
-    .with_help("split the expression into several, or use a loop or a switch")
-}
-
-/// A word that only another module's items are called by: naga would accept it as long as that
-/// module happens to be in the shader.
-fn check_needs(
-    instance: &Instance,
-    names: &Names,
-    declared: &HashMap<&str, (&Module, &Item)>,
-    report: &mut Report,
-) {
+/// A number that is a member of the buffer of live ones, under its name in the shader.
+fn live_number(instance: &Instance, item: &Item, name: &str) -> Option<LiveNumber> {
     let module = instance.module;
-    for item in &module.outline.items {
-        for &index in &item.words {
-            let range = module.outline.tokens[index].range.clone();
-            let word = &module.file.text[range.clone()];
-            let Some((owner, _)) = declared.get(word) else {
-                continue;
-            };
-            if names.contains_key(word) || owner.path == module.path || is_predeclared(word) {
-                continue;
-            }
-            if module
-                .outline
-                .locals(&module.file.text, item)
-                .any(|l| l == word)
-            {
-                continue;
-            }
-            let wrong =
-                Diagnostic::error(format!("`{}` uses `{word}` without saying so", module.path)).at(
-                    &module.place(range),
-                    format!("declared by `{}`", owner.path),
-                );
-            report.add(match owner.role() {
-                Role::Shared => wrong.with_help(format!(
-                    "add `{}` to `// needs: …` in {}",
-                    owner.path, module.file.name
-                )),
-                _ => wrong.with_help(format!(
-                    "call it by a slot (`// slots: …`), or move `{word}` into a module that both need"
-                )),
-            });
-        }
-    }
+    module.live(item)?;
+    let Bounds {
+        ty, least, most, ..
+    } = Bounds::of(module, item);
+    Some(LiveNumber {
+        path: path_of(instance, item),
+        name: name.to_owned(),
+        offset: 0,
+        scalar: match ty {
+            "i32" => naga::Scalar::I32,
+            "u32" => naga::Scalar::U32,
+            _ => naga::Scalar::F32,
+        },
+        default: module.value(item)?.1?,
+        least,
+        most,
+    })
 }
 
-fn redefinition(module: &Module, item: &Item, other: &Module, first: &Item) -> Diagnostic {
-    let what = match item.kind {
-        _ if module.path == other.path => {
-            return Diagnostic::error(format!("`{}` declares `{}` twice", module.path, item.name))
-                .at(&module.place(item.name_range.clone()), "declared here")
-                .see(&other.place(first.name_range.clone()), "and here");
-        }
-        ItemKind::Variable { .. } => "differently declare the resource",
-        _ => "both declare",
-    };
-    let diagnostic = Diagnostic::error(format!(
-        "`{}` and `{}` {what} `{}`",
-        other.path, module.path, item.name
-    ))
-    .at(&module.place(item.name_range.clone()), "declared here")
-    .see(&other.place(first.name_range.clone()), "and here");
-    match item.kind {
-        ItemKind::Variable { .. } => {
-            diagnostic.with_help("give one of them another name, or the same type")
-        }
-        _ => diagnostic.with_help("rename one, or move it into a module that both need"),
+/// Writes the buffer of live numbers; where its declaration begins, and its name.
+fn write_live(source: &mut Source, live: &[LiveNumber]) -> Option<(usize, String)> {
+    if live.is_empty() {
+        return None;
     }
+    let text = &mut source.text;
+    let _ = writeln!(text, "// ---- live numbers\nstruct {LIVE_TYPE} {{");
+    for number in live {
+        let ty = match number.scalar.kind {
+            naga::ScalarKind::Sint => "i32",
+            naga::ScalarKind::Uint => "u32",
+            _ => "f32",
+        };
+        let _ = writeln!(text, "    {}: {ty},", number.member());
+    }
+    text.push_str("}\n");
+    let start = text.len();
+    let _ = writeln!(text, "var<storage, read> {LIVE_NUMBERS}: {LIVE_TYPE};\n");
+    Some((start, LIVE_NUMBERS.to_owned()))
 }
 
-/// The names that are reached from the open ones.
-fn reach<'p>(all: &[Part<'p>], mut open: Vec<&'p str>) -> HashSet<&'p str> {
-    let mut mentions: HashMap<&str, &[&str]> = HashMap::default();
-    for part in all {
-        for ((name, item), mentioned) in part.items.iter().zip(&part.mentions) {
-            mentions.entry(name).or_insert(mentioned);
-            if item.kind == ItemKind::Assertion {
-                open.push(name);
-            }
-        }
-    }
-    let mut reached = HashSet::default();
-    while let Some(name) = open.pop() {
-        if let Some(mentioned) = mentions.get(name)
-            && reached.insert(name)
-        {
-            open.extend(*mentioned);
-        }
-    }
-    reached
-}
-
-/// Copies an item and the comment above it, with its words renamed. Returns where the item itself
-/// begins in the composed text.
-fn copy_item(source: &mut Source, module: &Module, item: &Item, names: &Names) -> usize {
+/// Copies an item and the comment above it, with its words renamed and, if it is a constant that the
+/// pipeline sets, its value. Returns where the item itself begins in the composed text.
+fn copy_item(source: &mut Source, instance: &Instance, item: &Item, names: &Names) -> usize {
+    let module = instance.module;
     let file = &module.file;
     let mut at = comment_start(module, item.range.start);
     let start = source.text.len() + (item.range.start - at);
+    let value = match &item.kind {
+        ItemKind::Constant { ty } => {
+            let value = instance.constants.get(&item.name);
+            value.and_then(|value| Some((module.value(item)?.0, literal(ty, *value))))
+        }
+        _ => None,
+    };
+    let end = value
+        .as_ref()
+        .map_or(item.range.end, |(range, _)| range.start);
     for &index in &item.words {
         let range = module.outline.tokens[index].range.clone();
+        if range.start >= end {
+            break;
+        }
         let word = &file.text[range.clone()];
         if let Some(name) = names.get(word).filter(|name| ***name != *word) {
             source.copy(file, at..range.start);
             source.rename(file, range.clone(), name);
             at = range.end;
         }
+    }
+    if let Some((range, value)) = value {
+        source.copy(file, at..range.start);
+        source.rename(file, range.clone(), &value);
+        at = range.end;
     }
     source.copy(file, at..item.range.end);
     start

@@ -87,6 +87,7 @@ pub fn shader(text: &str, outputs: &[&str]) -> Arc<Shader> {
         text: text.to_owned(),
         hash: text.to_owned(),
         overrides: BTreeMap::new(),
+        live: Vec::new(),
         module,
         info,
     })
