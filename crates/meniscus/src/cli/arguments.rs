@@ -96,9 +96,9 @@ pub(crate) enum Command {
     /// 2 when the pictures cannot be compared.
     #[command(after_help = super::compare::measures())]
     Compare(Compare),
-    /// Run one function of a module on the CPU, on given numbers.
+    /// Run one function of a module on given numbers, on the CPU or a GPU.
     Eval(Eval),
-    /// Hunt the inputs on which modules are worst, on the CPU, and tell how exact they are.
+    /// Hunt the inputs on which modules are worst, on the CPU and the GPU, and tell how exact they are.
     ///
     /// Functions are tried where their headers say that their inputs lie (`// domain: …`): with
     /// random inputs, with special ones, and by an adversary that goes from bad inputs to worse.
@@ -274,6 +274,8 @@ pub(crate) struct Eval {
     #[arg(long, value_enum, default_value = "f32")]
     pub scalar: Numbers,
     #[command(flatten)]
+    pub computer: super::eval::Computer,
+    #[command(flatten)]
     pub surroundings: Surroundings,
 }
 
@@ -317,6 +319,8 @@ pub(crate) struct Stress {
     /// Keep the worst inputs, a file for each function: for regression tests.
     #[arg(long, value_name = "DIR")]
     pub worst: Option<PathBuf>,
+    #[command(flatten)]
+    pub computers: super::stress::Computers,
     #[command(flatten)]
     pub surroundings: Surroundings,
     #[command(flatten)]

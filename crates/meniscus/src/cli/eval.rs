@@ -2,18 +2,40 @@
 
 use std::path::Path;
 
-use meniscus::Project;
+use clap::{Args, ValueEnum};
+use meniscus::gpu::Gpu;
 use meniscus::source::{Diagnostic, Report};
-use meniscus::stress::modules::{Choice, Host, Specimen};
+use meniscus::stress::modules::{Choice, Device as _, Host, Kernel, Specimen};
 use meniscus::stress::{
     Column, DoubleDouble, Dual, Function, Interval, Kind, Lanes, Resources, Scalar,
 };
+use meniscus::{FunctionsOnGpu, Project};
 
 use super::Failure;
 use super::arguments::{Eval, Numbers, Surroundings};
 
 /// The most lines of a CSV file.
 const MOST_LINES: usize = 10_000_000;
+
+/// What computes.
+#[derive(Debug, Args)]
+pub(crate) struct Computer {
+    /// What runs the function. A GPU computes in `f32`.
+    #[arg(long, value_enum, default_value = "cpu")]
+    pub device: Device,
+    /// The graphics adapter, by a part of its name (see `meniscus adapters`); the best one if none
+    /// is given.
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Device {
+    /// The evaluator, on the CPU.
+    Cpu,
+    /// A graphics adapter.
+    Gpu,
+}
 
 impl Surroundings {
     /// What modules read.
@@ -71,6 +93,20 @@ pub(crate) fn run(project: &Project, eval: &Eval) -> Result<(), Failure> {
         resources: &resources,
     };
     let found = match eval.scalar {
+        Numbers::F32 if eval.computer.device == Device::Gpu => {
+            let gpu = FunctionsOnGpu(Gpu::open(eval.computer.adapter.as_deref())?);
+            let kernel = Kernel::new(&specimen, &function, &host)?;
+            let launch = gpu.launcher(&kernel)?;
+            let arguments = call.arguments(|x, _| x as f32);
+            let words = launch(&kernel.pack(&arguments, rows.len()), rows.len())
+                .map_err(|error| Failure::Machine(format!("error: {error}")))?;
+            let found = kernel.unpack(&words, rows.len());
+            Ok(self::rows(&found, rows.len(), |_, _, x| x.to_string()))
+        }
+        _ if eval.computer.device == Device::Gpu => {
+            let wrong = Diagnostic::error("a GPU computes in `f32` alone");
+            return Err(wrong.with_help("leave --scalar or --device out").into());
+        }
         Numbers::F32 => call.each(|x: f32| x.to_string()),
         Numbers::F64 => call.each(|x: f64| x.to_string()),
         Numbers::Dd => call.each(|x: DoubleDouble| {

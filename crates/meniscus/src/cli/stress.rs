@@ -1,16 +1,65 @@
 //! `meniscus stress`
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use meniscus::Project;
+use clap::{Args, ValueEnum};
+use meniscus::gpu::{Gpu, GpuError};
 use meniscus::measure::write_atomically;
 use meniscus::source::{Diagnostic, Report};
 use meniscus::stress::Effort;
-use meniscus::stress::modules::{Assay, Declared, declared};
+use meniscus::stress::modules::{Assay, Declared, Device, Exhaustive, Host, declared};
+use meniscus::{FunctionsOnGpu, Project};
 
 use super::arguments::Stress;
 use super::progress::Bar;
+use super::say::tell;
 use super::{Failure, outputs};
+
+/// What computes in `f32`, and on how many inputs.
+#[derive(Debug, Args)]
+pub(crate) struct Computers {
+    /// What runs the functions: the evaluator, a graphics adapter, or one after the other. By
+    /// default both, where there is an adapter.
+    #[arg(long, value_enum)]
+    device: Option<Devices>,
+    /// The graphics adapter, by a part of its name (see `meniscus adapters`); the best one if none
+    /// is given.
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Try a function of one number on all floats there are, on the CPU; it takes minutes.
+    #[arg(long)]
+    exhaustive: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Devices {
+    /// The evaluator, on the CPU.
+    Cpu,
+    /// A graphics adapter.
+    Gpu,
+    /// Both.
+    Both,
+}
+
+impl Computers {
+    /// The evaluator (none) and the adapter, as far as they are wanted and there.
+    fn open(&self) -> Result<Vec<Option<FunctionsOnGpu>>, Failure> {
+        let gpu = || Gpu::open(self.adapter.as_deref()).map(|gpu| Some(FunctionsOnGpu(gpu)));
+        Ok(match self.device {
+            Some(Devices::Cpu) => vec![None],
+            Some(Devices::Gpu) => vec![gpu()?],
+            Some(Devices::Both) => vec![None, gpu()?],
+            None => match gpu() {
+                Ok(gpu) => vec![None, gpu],
+                Err(GpuError::NoAdapter { wanted: None, .. }) => {
+                    tell("there is no graphics adapter: functions run on the CPU alone");
+                    vec![None]
+                }
+                Err(error) => return Err(error.into()),
+            },
+        })
+    }
+}
 
 pub(crate) fn run(project: &Project, stress: &Stress) -> Result<(), Failure> {
     let host = stress.surroundings.host()?;
@@ -21,6 +70,13 @@ pub(crate) fn run(project: &Project, stress: &Stress) -> Result<(), Failure> {
         [&stress.json, &stress.markdown].into_iter().flatten(),
         stress.worst.as_ref(),
     )?;
+    if stress.computers.exhaustive {
+        return exhaust(project, &all, &chosen, &host);
+    }
+    let computers = stress.computers.open()?;
+    for gpu in computers.iter().flatten() {
+        tell(&format!("on the GPU: {}", gpu.0.facts()));
+    }
     let water = host
         .number("water.refractive_index")
         .zip(host.number("water.camera_side"));
@@ -41,14 +97,13 @@ pub(crate) fn run(project: &Project, stress: &Stress) -> Result<(), Failure> {
     for (index, function) in chosen.iter().enumerate() {
         let name = format!("{}:{}", function.module, function.name);
         bar.tell(&name, index as f64 / chosen.len() as f64);
-        assays.push(Assay::run(
-            &project.composer,
-            &all,
-            function,
-            &host,
-            &waters,
-            &effort,
-        )?);
+        for computer in &computers {
+            let device = computer.as_ref().map(|gpu| gpu as &dyn Device);
+            let (composer, waters) = (&project.composer, &waters);
+            assays.push(Assay::run_on(
+                device, composer, &all, function, &host, waters, &effort,
+            )?);
+        }
     }
     bar.finish();
     let table = table(&assays);
@@ -56,7 +111,7 @@ pub(crate) fn run(project: &Project, stress: &Stress) -> Result<(), Failure> {
     for assay in &assays {
         if chosen.len() == 1 {
             println!("\n{}", assay.domain);
-            println!("worst input:");
+            println!("worst input{}:", on(assay));
             for (name, value) in &assay.worst_numbers {
                 println!("  {name} = {value:e}");
             }
@@ -71,7 +126,7 @@ pub(crate) fn run(project: &Project, stress: &Stress) -> Result<(), Failure> {
         write_atomically(path, table.as_bytes())?;
     }
     if let Some(folder) = &stress.worst {
-        for assay in &assays {
+        for assay in assays.iter().filter(|assay| assay.device.is_none()) {
             let name = format!("{}.{}.json", assay.module.replace('/', "."), assay.function);
             let text = serde_json::to_string(&assay.worst)
                 .map_err(|error| Failure::Machine(format!("error: {error}")))?;
@@ -118,6 +173,53 @@ fn choose<'d>(
     Ok(found)
 }
 
+/// What stands behind a function's name that did not run on the CPU.
+fn on(assay: &Assay) -> String {
+    let device = assay.device.as_ref();
+    device.map_or_else(String::new, |device| format!(" on {device}"))
+}
+
+/// Every float for functions of one number.
+fn exhaust(
+    project: &Project,
+    all: &[Declared],
+    chosen: &[&Declared],
+    host: &Host,
+) -> Result<(), Failure> {
+    for function in chosen {
+        let name = format!("{}:{}", function.module, function.name);
+        let bar = Bar::new();
+        let start = Instant::now();
+        let progress = |part: f64| bar.tell(&name, part);
+        let found = Exhaustive::run(&project.composer, all, function, host, &progress)?;
+        bar.finish();
+        println!(
+            "{name}: every finite float, in {:.0} s",
+            start.elapsed().as_secs_f64()
+        );
+        let (low, high) = found.domain;
+        for (what, part) in [
+            (
+                format!("from {low:e} to {high:e}, its domain"),
+                found.inside,
+            ),
+            ("all others".to_owned(), found.outside),
+        ] {
+            println!("  {what}: {} floats", part.inputs);
+            println!(
+                "    largest error           {:.4e} ulp at {:e}",
+                part.max, part.at
+            );
+            println!(
+                "    error / (1 + condition) {:.4e} ulp at {:e}",
+                part.scaled, part.scaled_at
+            );
+            println!("    not finite              {}", part.non_finite);
+        }
+    }
+    Ok(())
+}
+
 /// A Markdown table, aligned for the terminal.
 fn table(assays: &[Assay]) -> String {
     let title = [
@@ -138,7 +240,7 @@ fn table(assays: &[Assay]) -> String {
     let mut rows = vec![title.map(str::to_owned)];
     for assay in assays {
         rows.push([
-            format!("{}:{}", assay.module, assay.function),
+            format!("{}:{}{}", assay.module, assay.function, on(assay)),
             assay.inputs.to_string(),
             short(assay.rounding.median),
             short(assay.rounding.p99),
