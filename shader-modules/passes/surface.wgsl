@@ -8,7 +8,11 @@
 // outputs: colour, position, apparent, normal, plane, height, shown
 // slots: place, shade, side
 // needs: geometry/octahedral, screen/target, shading/surface_point, water/body
+// number handedness: -1 to 1, step 2
 // flat: geometric_normal
+
+// −1 where `place` mirrors, so that what turns to the eye is turned round: 1 elsewhere.
+override handedness: f32 = 1.0;
 
 struct Varying {
     clip: vec4f,
@@ -31,7 +35,7 @@ struct Drawn {
 
 fn fragment(v: Varying, front: bool) -> Drawn {
     let normal = normalize(v.normal);
-    let facing = select(-1.0, 1.0, front);
+    let facing = select(-handedness, handedness, front);
     return Drawn(SurfacePoint(v.world, normal, v.geometric_normal, facing, v.object), v.apparent);
 }
 

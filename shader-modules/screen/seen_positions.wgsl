@@ -1,0 +1,10 @@
+// The solid point seen at a place of the seen buffers, from those that hold positions and normals:
+// what the slot does by default, to be connected to other buffers.
+//
+// provides: seen
+// needs: screen/seen, screen/seen_point
+// domain: seen(texel -100 to 1e4)
+
+fn seen(texel: vec2f) -> Seen {
+    return seen_at(texel);
+}
