@@ -82,6 +82,47 @@ fn a_march_meets_a_floor_where_it_is() {
 }
 
 #[test]
+fn leaving_out_tiles_changes_nothing_that_is_met() {
+    let there = folder();
+    for scene in ["pool", "clutter"] {
+        let tiled = "refraction/screen-space-hierarchical";
+        // The plain march in its finest steps.
+        write(
+            &there.path().join("pipelines/finest.ron"),
+            "Variant(of: \"refraction/screen-space\", about: \"For a test.\", set: { \
+             \"narrow.intersect\": \"screen/march\" })",
+        );
+        let more = ["--scene", scene, "--pipelines", "pipelines"];
+        let results = ablate(there.path(), &["finest", tiled], &more);
+        let figures = |name| {
+            let row = row(&results, name);
+            ["within_half_px", "wrong_object"].map(|f| number(row, &format!("/error/{f}")))
+        };
+        let (plain, tiled) = (figures("finest"), figures(tiled));
+        for (plain, tiled) in plain.iter().zip(tiled) {
+            assert!((plain - tiled).abs() < 0.005, "{scene}: {plain}, {tiled}");
+        }
+    }
+}
+
+#[test]
+fn a_finer_field_takes_more_memory_and_errs_less() {
+    let there = folder();
+    let name = "refraction/distance-field";
+    let figures = ["32768", "2097152"].map(|voxels| {
+        let finer = format!("trace.intersect.inside.field_voxels={voxels}");
+        let results = ablate(there.path(), &[name], &["--with", &finer]);
+        let row = &results["rows"][0];
+        let bytes = number(&results["preprocessing"], "/distance_field_bytes");
+        (bytes, number(row, "/error/wrong_object"))
+    });
+    let [coarse, fine] = figures;
+    // 64 times the voxels; the grids' shapes decide how many of those allowed there are.
+    assert!(fine.0 > 32.0 * coarse.0, "{figures:?}");
+    assert!(fine.1 < 0.5 * coarse.1, "{figures:?}");
+}
+
+#[test]
 fn a_field_of_distances_meets_a_floor_where_it_is() {
     let there = folder();
     write(&there.path().join("floor.ron"), FLOOR);

@@ -1,13 +1,15 @@
 // What a ray meets in a field of signed distances to the scene's triangles: sphere tracing.
 // Hart 1996, "Sphere tracing", The Visual Computer 12; distances trilinear between voxels, steps of
 // at least a part of a voxel, and a secant step where the sign changes. World space, metres.
-// What is thinner than a voxel shows holes or vanishes, edges are rounded by about a voxel. Rays
+// What is thinner than a voxel shows holes or vanishes, edges are rounded by about a voxel. A mesh
+// need not be closed: a sheet has its back only behind itself, what is nearest to its rim is outside. Rays
 // that come from behind a surface (out of an object, or behind a sheet) meet it two voxels early.
 // A ray that leaves the grids, or takes all steps, meets nothing.
 //
 // provides: intersect
 // needs: geometry/hit, geometry/ray
 // slots: reproject
+// number field_voxels: 4096 to 33554432, step 262144
 // number march_steps: 1 to 1024, step 16
 // number least_step: 0.01 to 2 voxels, step 0.01
 
@@ -32,6 +34,9 @@ var<storage, read> distance_grids: array<DistanceGrid>;
 var<storage, read> distance_voxels: array<DistanceVoxel>;
 var<storage, read> distance_objects: array<DistanceObject>;
 
+// Voxels of the finer grid, which the host makes as small as that allows; the other one has half as
+// many. The largest number that fillings of one pass ask for counts for all of them.
+override field_voxels: i32 = 2097152;
 override march_steps: i32 = 192;
 override least_step: f32 = 0.25;
 
@@ -71,7 +76,9 @@ fn distance_grid(point: vec3f) -> DistanceGrid {
 
 fn distance_index(grid: DistanceGrid, at: vec3f) -> u32 {
     let voxel = vec3u(clamp(at, vec3f(0.0), grid.size - 1.0));
-    return grid.first + (voxel.z * u32(grid.size.y) + voxel.y) * u32(grid.size.x) + voxel.x;
+    let index = (voxel.z * u32(grid.size.y) + voxel.y) * u32(grid.size.x) + voxel.x;
+    // Neither grid has more; also keeps the number in the shader, where the host looks for it.
+    return grid.first + min(index, u32(field_voxels));
 }
 
 // Trilinear.

@@ -8,14 +8,13 @@
 // needs: geometry/ray, geometry/hit, screen/depth_tiles, screen/drawn, screen/march_line, water/body
 // requires: reproject = screen/plain, colour = screen/resampled
 // number thickness: 0 to 100 m, step 0.05
-// number march_steps: 1 to 4096, step 64
+// number march_tiles: 1 to 4096, step 16
 // number reach: 0.1 to 1000 m, step 1
 // domain: intersect(texel -100 to 1e4)
 
 // How far every drawn surface is taken to go on behind its front.
 override thickness: f32 = 0.1;
-// Of tiles and of texels together.
-override march_steps: i32 = 1024;
+override march_tiles: i32 = 256;
 // How far the ray is followed.
 override reach: f32 = 30.0;
 
@@ -43,26 +42,30 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
     let step = march_texel(march);
     var before = 0.0;
     var after = 0.0;
-    // Until here every texel is tried.
-    var end = 0.0;
     var met = false;
     // Light that the water reflects meets nothing that was drawn.
     let returns = water.camera_side * ray.direction.z > 0.0;
-    let steps = select(march_steps, 0, returns);
-    for (var i = 0; i < steps && !met; i++) {
-        if before >= march.inside {
-            break;
-        }
-        if before >= end {
+    let tiles = select(march_tiles, 0, returns);
+    for (var i = 0; i < tiles && !met; i++) {
+        // Apart, so that neighbouring rays leave tiles out together and try texels together.
+        var end = before;
+        var meets = false;
+        for (var j = i; j < tiles && !meets && before < march.inside; j++) {
             let tile = clamp(march_at(march, before) / TILE, vec2i(0), across - 1);
             end = min(tile_end(march, before, tile), march.inside);
-            let meets = tile_meets(march, before, end, tile.y * across.x + tile.x);
+            meets = tile_meets(march, before, end, tile.y * across.x + tile.x);
             before = select(end, before, meets);
-        } else {
-            after = min(before + step, march.inside);
+        }
+        if !meets {
+            break;
+        }
+        // A tile's diagonal is no longer along an axis than its side.
+        for (var j = 0; j < 2 * TILE && !met && before < end; j++) {
+            after = min(before + step, end);
             met = march_meets(march, before, after, drawn(march_at(march, 0.5 * (before + after))), thickness);
             before = select(after, before, met);
         }
+        before = select(end, before, met);
     }
     if met {
         return march_hit(ray, march, before, after, 0);

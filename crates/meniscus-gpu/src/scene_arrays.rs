@@ -1,7 +1,7 @@
 //! Large arrays made of a scene's triangles, for rays: built and uploaded when a shader first
 //! reads them, once for all frames of the scene.
 
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use glam::Vec3;
 use meniscus_pipeline::PlannedPass;
@@ -11,7 +11,7 @@ use naga::{Handle, Type};
 use wgpu::util::DeviceExt;
 
 use crate::bvh::{Bvh, Node};
-use crate::distance_field::DistanceField;
+use crate::distance_field::{self, DistanceField};
 use crate::layout::{self, Column};
 use crate::{Gpu, GpuError};
 
@@ -22,7 +22,8 @@ pub(crate) struct SceneArrays {
     /// The water's level, and how far above it its waves reach at most; metres.
     water: [f32; 2],
     tracing: OnceLock<Tracing>,
-    distances: OnceLock<DistanceField>,
+    /// By how many voxels were asked for.
+    distances: Mutex<Vec<(u32, Arc<DistanceField>)>>,
     uploaded: Mutex<Vec<Uploaded>>,
 }
 
@@ -31,6 +32,8 @@ struct Uploaded {
     array: String,
     /// As `layout::signature` gives it: shaders may declare the members in another order.
     signature: String,
+    /// Of the distance field that it is a part of, if it is.
+    voxels: Option<u32>,
     buffer: wgpu::Buffer,
 }
 
@@ -56,7 +59,7 @@ impl SceneArrays {
             mesh: scene.mesh.clone(),
             water: [scene.water.level, scene.water.height_bound()].map(|z| z as f32),
             tracing: OnceLock::new(),
-            distances: OnceLock::new(),
+            distances: Mutex::default(),
             uploaded: Mutex::default(),
         }
     }
@@ -71,9 +74,12 @@ impl SceneArrays {
         self.tracing.get().map(|tracing| tracing.bvh.build_ms)
     }
 
-    /// How long the distances took to measure, milliseconds; none while nothing has asked for them.
+    /// How long the distances took to measure, at all resolutions, milliseconds; none while nothing
+    /// has asked for them.
     pub fn distance_field_ms(&self) -> Option<f64> {
-        self.distances.get().map(|field| field.build_ms)
+        let held = held(&self.distances);
+        let all = held.iter().map(|(_, field)| field.build_ms);
+        (!held.is_empty()).then(|| all.sum())
     }
 
     /// Bytes that are uploaded of these arrays.
@@ -103,7 +109,9 @@ impl SceneArrays {
         let array = binding.resource.as_str();
         let signature = layout::signature(&pass.shader.module, ty);
         let mut held = self.held();
-        let same = |u: &&Uploaded| u.array == array && u.signature == signature;
+        let voxels = is_of_distances(array).then(|| distance_field::voxels_asked(pass));
+        let same =
+            |u: &&Uploaded| u.array == array && u.signature == signature && u.voxels == voxels;
         if let Some(known) = held.iter().find(same) {
             return Ok(known.buffer.clone());
         }
@@ -136,6 +144,7 @@ impl SceneArrays {
         held.push(Uploaded {
             array: array.to_owned(),
             signature,
+            voxels,
             buffer: buffer.clone(),
         });
         Ok(buffer)
@@ -153,9 +162,7 @@ impl SceneArrays {
     ) -> Result<Vec<u8>, String> {
         let (array, module) = (binding.resource.as_str(), &pass.shader.module);
         if is_of_distances(array) {
-            let [level, waves] = self.water;
-            let field = || DistanceField::new(&self.mesh, level, waves);
-            let field = self.distances.get_or_init(field);
+            let field = self.distances(distance_field::voxels_asked(pass));
             let column = |member: &str| field.column(array, member);
             layout::column_bytes(module, ty, field.length(array), column)
         } else {
@@ -165,10 +172,25 @@ impl SceneArrays {
         }
     }
 
-    fn held(&self) -> std::sync::MutexGuard<'_, Vec<Uploaded>> {
-        // Nothing is left half done by a thread that ended while it held the lock.
-        self.uploaded.lock().unwrap_or_else(PoisonError::into_inner)
+    /// The field with so many voxels, measured when it is first asked for.
+    fn distances(&self, voxels: u32) -> Arc<DistanceField> {
+        let mut held = held(&self.distances);
+        if let Some((_, known)) = held.iter().find(|(of, _)| *of == voxels) {
+            return known.clone();
+        }
+        let field = Arc::new(DistanceField::new(&self.mesh, self.water, voxels));
+        held.push((voxels, field.clone()));
+        field
     }
+
+    fn held(&self) -> MutexGuard<'_, Vec<Uploaded>> {
+        held(&self.uploaded)
+    }
+}
+
+/// Nothing is left half done by a thread that ended while it held the lock.
+fn held<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Whether an array is part of the distance field.
@@ -177,28 +199,6 @@ fn is_of_distances(array: &str) -> bool {
         array,
         "distance_grids" | "distance_voxels" | "distance_objects"
     )
-}
-
-impl DistanceField {
-    fn length(&self, array: &str) -> usize {
-        match array {
-            "distance_grids" => self.grids.len(),
-            _ => self.distances.len(),
-        }
-    }
-
-    fn column(&self, array: &str, member: &str) -> Option<Column<'_>> {
-        let g = &self.grids;
-        Some(match (array, member) {
-            ("distance_grids", "low") => Column::vec3(|i| g[i].low),
-            ("distance_grids", "size") => Column::vec3(|i| g[i].size.as_vec3()),
-            ("distance_grids", "voxel") => Column::f32(|i| g[i].voxel),
-            ("distance_grids", "first") => Column::u32(|i| g[i].first),
-            ("distance_voxels", "distance") => Column::f32(|i| self.distances[i]),
-            ("distance_objects", "object") => Column::u32(|i| self.objects[i]),
-            _ => return None,
-        })
-    }
 }
 
 impl Tracing {
@@ -297,7 +297,7 @@ mod tests {
 
     #[test]
     fn every_listed_member_has_a_column_of_its_type() {
-        let field = DistanceField::new(&Mesh::default(), 0.0, 0.0);
+        let field = DistanceField::new(&Mesh::default(), [0.0; 2], distance_field::VOXELS);
         for tracing in [arrays(), Tracing::new(&Mesh::default())] {
             for (array, members) in host::ARRAYS {
                 for (member, ty) in members.iter().filter(|_| SceneArrays::has(array)) {
