@@ -2,10 +2,10 @@
 // Outputs: `colour` linear RGB; `position` the world point (metres) and object id, `apparent` the
 // same with the point where it appears; `normal` the geometric and the shading normal, octahedral;
 // `plane` the distance of the tangent plane from the eye, both normals and the id + 1, as bits;
-// `height` how far it is above the rest plane (metres); `shown` the world point and id.
+// `height` how far it is above the rest plane (metres); `object` the id + 1; `shown` the world point and id.
 //
 // skeleton: draw
-// outputs: colour, position, apparent, normal, plane, height, shown
+// outputs: colour, position, apparent, normal, plane, height, object, shown
 // slots: place, shade, side
 // needs: geometry/octahedral, screen/target, shading/surface_point, water/body
 // number handedness: -1 to 1, step 2
@@ -69,6 +69,10 @@ fn write_plane(drawn: Drawn) -> vec4u {
 
 fn write_height(drawn: Drawn) -> f32 {
     return drawn.point.position.z - water.level;
+}
+
+fn write_object(drawn: Drawn) -> f32 {
+    return f32(drawn.point.object + 1u);
 }
 
 fn write_shown(drawn: Drawn) -> vec4f {
