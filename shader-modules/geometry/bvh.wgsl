@@ -6,6 +6,7 @@
 // provides: intersect
 // needs: geometry/box, geometry/hit, geometry/ray, geometry/triangle, geometry/triangles
 // slots: reproject
+// domain: the triangles of a scene, coordinates to 1e6 m
 
 // With a `count` of 0, `first` is the first of two nodes; else the first of so many triangles.
 struct BvhNode {

@@ -12,6 +12,7 @@
 // number field_voxels: 4096 to 33554432, step 262144
 // number march_steps: 1 to 1024, step 16
 // number least_step: 0.01 to 2 voxels, step 0.01
+// domain: the objects of a scene within its grids, coordinates to 1e4 m
 
 struct DistanceGrid {
     low: vec3f,

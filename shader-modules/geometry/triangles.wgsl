@@ -1,6 +1,7 @@
 // The triangles of the scene, and their surfaces. World space, metres.
 //
 // needs: geometry/hit, geometry/octahedral, geometry/ray
+// domain: the triangles of a scene, coordinates to 1e6 m
 
 // Corners, the object's id, and the shading normals at the corners, octahedral in 16 bits each.
 struct Triangle {

@@ -6,6 +6,7 @@
 // needs: geometry/ray, water/march, water/meeting, water/shape
 // slots: surface
 // number leave_steps: 1 to 256, step 1
+// domain: leave(ray.origin -100 to 100 from 1e-6, ray.direction unit)
 
 override leave_steps: i32 = 96;
 

@@ -6,6 +6,7 @@
 //
 // needs: geometry/ray, water/body, water/shape
 // slots: surface
+// domain: march_to_waves(ray.origin -100 to 100 from 1e-6, ray.direction unit, side is 1, start 0 to 100, steps is 96)
 
 // `distance`: along the ray. `shape`: the water's there. Without `found` the ray stays on its side
 // until it leaves the waves' band, or for longer than its steps reach.

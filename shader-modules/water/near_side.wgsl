@@ -3,6 +3,7 @@
 // provides: side
 // needs: water/body
 // slots: level
+// domain: side(point -1e4 to 1e4 from 1e-6)
 
 fn side(point: vec3f) -> bool {
     let height = point.z - water.level;

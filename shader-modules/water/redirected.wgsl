@@ -2,6 +2,7 @@
 //
 // needs: geometry/ray, geometry/hit, screen/target, sky/gradient
 // slots: meet, deflect, intersect, colour
+// domain: the pixels of a picture
 
 // What stands before the water, with reversed depth.
 var front_depth: texture_depth_2d;

@@ -6,6 +6,7 @@
 // provides: intersect
 // needs: geometry/hit, geometry/ray, optics/snell, water/body
 // slots: leave, inside: intersect
+// domain: intersect(texel -100 to 1e4)
 
 const MOST_MEETINGS = 3;
 

@@ -4,10 +4,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use meniscus_source::ron::Spanned;
-use meniscus_source::{Diagnostic, Report};
+use meniscus_source::{Diagnostic, Place, Report};
 
 use crate::compose::{Composer, Output, Recipe, Stage};
 use crate::library::{Library, Module, Role};
+use crate::outline::{Item, ItemKind};
 use crate::{instance, ir, numbers, text};
 
 impl Composer {
@@ -50,11 +51,15 @@ impl Composer {
     }
 
     /// Checks every module of the library by itself, in the order of their paths; see
-    /// [`Composer::check_module`]. What [`Library::new`] reports is not repeated.
+    /// [`Composer::check_module`]. What [`Library::new`] reports is not repeated. Modules that do not
+    /// say what inputs they are made for are warned of.
     pub fn check_library(&self) -> Report {
         let mut report = Report::default();
         for module in self.library().modules() {
             report.extend(self.check_module(&module.path));
+            if let Some(warning) = missing_domain(module) {
+                report.add(warning);
+            }
         }
         report
     }
@@ -81,6 +86,26 @@ fn all_outputs(skeleton: &Module) -> Recipe {
         facts: BTreeSet::new(),
         stage: Stage::Render,
     }
+}
+
+/// A warning where a module has functions that take something, and does not say what they are made
+/// for. What slots and bodies of passes take is said by those that fill and run them.
+fn missing_domain(module: &Module) -> Option<Diagnostic> {
+    if !matches!(module.role(), Role::Filling | Role::Shared) || !module.header.domain.is_empty() {
+        return None;
+    }
+    let takes = |item: &&Item| matches!(&item.kind, ItemKind::Function { parameters, .. } if !parameters.is_empty());
+    let function = module.functions().find(takes)?;
+    let place = Place::new(&module.file, function.name_range.clone());
+    let message = format!("`{}` declares no domain", module.path);
+    Some(
+        Diagnostic::warning(message)
+            .at(&place, "for which inputs is this made?")
+            .with_help(format!(
+                "say it in the header, so that `meniscus stress` can try it: `// domain: {}(ARGUMENT -1e4 to 1e4)`, or in words",
+                function.name
+            )),
+    )
 }
 
 /// Warnings about needs of which no name is used.

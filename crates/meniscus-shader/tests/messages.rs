@@ -633,3 +633,27 @@ fn a_filling_that_nothing_asks_for_is_warned_of() {
     );
     assert!(warnings.is_ok());
 }
+
+#[test]
+fn modules_that_do_not_say_what_they_are_made_for_are_warned_of() {
+    let module = |domain: &str, argument: &str| {
+        format!("// Halves.\n//{domain}\n\nfn half({argument}) -> f32 {{\n    return 0.5;\n}}\n")
+    };
+    let ranged = module("\n// domain: half(x -1 to 1)", "x: f32");
+    let worded = module("\n// domain: everything finite", "x: f32");
+    let (silent, still) = (module("", "x: f32"), module("", ""));
+    let composer = composer(&[
+        ("mine/ranged", ranged.as_str()),
+        ("mine/silent", silent.as_str()),
+        ("mine/still", still.as_str()),
+        ("mine/worded", worded.as_str()),
+    ]);
+    let report = composer.check_library().to_string();
+    let warned: Vec<&str> = report.lines().filter(|l| l.contains("`mine/")).collect();
+    assert_eq!(warned.len(), 1, "{report}");
+    assert!(
+        warned[0].contains("`mine/silent` declares no domain"),
+        "{report}"
+    );
+    assert!(report.contains("mine/silent.wgsl:4:4"), "{report}");
+}
