@@ -1,7 +1,11 @@
 //! A few modules and a pipeline of them.
 #![allow(dead_code, reason = "each test uses its part")]
 
+use glam::{DVec3, Vec3};
 use meniscus_pipeline::{Facts, Pipeline, Pipelines, Plan};
+use meniscus_scene::{
+    Camera, Material, Mesh, Object, Pattern, Scene, Sky, Sun, Triangle, Water, WaterGeometry,
+};
 use meniscus_shader::{Composer, Library};
 use meniscus_source::{Report, SourceFile};
 
@@ -104,4 +108,66 @@ pub fn load(text: &str) -> Result<Pipeline, Report> {
 /// Plans a text without any fact.
 pub fn plan(text: &str) -> Result<Plan, Report> {
     Plan::new(&load(text)?, &composer(&[]), &Facts::default(), false)
+}
+
+/// A tetrahedron about a point, of this size.
+fn tetrahedron(scene: &mut Scene, centre: DVec3, size: f64) {
+    let corners = [[-1, -1, -1], [1, 1, -1], [1, -1, 1], [-1, 1, 1]];
+    let first = scene.mesh.positions.len() as u32;
+    let object = scene.objects.len() as u32;
+    scene.objects.push(Object {
+        name: format!("object {object}"),
+        material: 0,
+    });
+    for corner in corners {
+        let offset = DVec3::from_array(corner.map(f64::from)) * size;
+        scene.mesh.positions.push((centre + offset).as_vec3());
+        scene.mesh.normals.push(offset.normalize().as_vec3());
+    }
+    for corners in [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]] {
+        let corners = corners.map(|corner| first + corner);
+        scene.mesh.triangles.push(Triangle { corners, object });
+    }
+}
+
+/// Water at z = 0, the eye at (0, −4, 2) looking along +y and down, and an object above, across and
+/// under the water, in that order.
+pub fn scene() -> Scene {
+    let mut scene = Scene {
+        name: "three".to_owned(),
+        about: String::new(),
+        objects: Vec::new(),
+        materials: vec![Material {
+            colour: Vec3::ONE,
+            pattern: Pattern::Plain,
+        }],
+        mesh: Mesh::default(),
+        water: Water {
+            level: 0.0,
+            refractive_index: 1.333,
+            waves: Vec::new(),
+            time: 0.0,
+            geometry: WaterGeometry::Displaced,
+        },
+        camera: Camera {
+            eye: DVec3::new(0.0, -4.0, 2.0),
+            target: DVec3::new(0.0, 2.0, -1.0),
+            field_of_view: 1.0,
+            near: 0.05,
+        },
+        sun: Sun {
+            direction: DVec3::Z,
+            colour: Vec3::ONE,
+            ambient: Vec3::ZERO,
+        },
+        sky: Sky {
+            horizon: Vec3::ONE,
+            zenith: Vec3::ONE,
+            deep: Vec3::ZERO,
+        },
+    };
+    for height in [1.0, 0.0, -1.0] {
+        tetrahedron(&mut scene, DVec3::new(height, 2.0, height), 0.3);
+    }
+    scene
 }
