@@ -213,6 +213,14 @@ impl Pipeline {
     /// # Errors
     /// When the path leads nowhere or the value is of the wrong kind.
     pub fn set(&mut self, key: &str, value: &str) -> Result<(), Report> {
+        self.set_from("--with", key, value)
+    }
+
+    /// The same for a value that messages are to say came from `origin`: `--try`.
+    ///
+    /// # Errors
+    /// As [`Pipeline::set`].
+    pub fn set_from(&mut self, origin: &str, key: &str, value: &str) -> Result<(), Report> {
         let (key, value) = (key.trim(), value.trim());
         let literal = value.starts_with(['(', '"', '{']) || value.parse::<f64>().is_ok();
         let text = if literal {
@@ -220,7 +228,7 @@ impl Pipeline {
         } else {
             format!("\"{}\"", value.escape_default())
         };
-        let file = SourceFile::new(format!("--with {key}"), text);
+        let file = SourceFile::new(format!("{origin} {key}"), text);
         let value: Spanned<Value> = from_source(&file)?;
         self.put(&Spanned::unplaced(key.to_owned()), &value)?;
         self.name = format!("{} {key}={}", self.name, file.text.trim_matches('"'));

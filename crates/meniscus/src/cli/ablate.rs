@@ -294,7 +294,7 @@ fn combine(pipelines: Vec<Pipeline>, attempts: &[String]) -> Result<Vec<Pipeline
         for pipeline in &all {
             for value in values.split(',') {
                 let mut attempt = pipeline.clone();
-                match attempt.set(key, value) {
+                match attempt.set_from("--try", key, value) {
                     Ok(()) => {
                         attempt.baseline = false;
                         tried.push(attempt);
