@@ -95,12 +95,14 @@ impl Frame {
                 pass.compute_invocations = Some(numbers[2]);
             }
         }
-        let drawing =
-            |work: &Work| matches!(work, Work::Render { draw, .. } if *draw != Draw::Nothing);
+        let drawing = |work: &Work| match work {
+            Work::Render { draw, .. } => draw.count(),
+            Work::Compute(_) => 0,
+        };
         let total = |count: fn(&PassCounters) -> Option<u64>| passes.iter().map(count).sum();
         Ok(Counters {
             triangles: passes.iter().map(|p| p.triangles).sum(),
-            draws: steps.iter().filter(|s| drawing(&s.work)).count() as u64,
+            draws: steps.iter().map(|s| drawing(&s.work)).sum(),
             dispatches: steps.iter().filter(|s| s.is_compute()).count() as u64,
             vertex_invocations: total(|p| p.vertex_invocations),
             fragment_invocations: total(|p| p.fragment_invocations),

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::UVec2;
-use meniscus_pipeline::{PassKind, Plan, Size};
+use meniscus_pipeline::{Plan, Size};
 use meniscus_scene::{Scene, View};
 
 use crate::host_buffers::Written;
@@ -17,9 +17,9 @@ use crate::record::{self, Instrument, Stopwatch};
 use crate::resources::{Resources, check_size};
 use crate::reuse::Reuse;
 use crate::scene_buffers::SceneBuffers;
-use crate::steps::{self, Draw, Step, Work};
+use crate::steps::{self, Step};
 use crate::timing::{self, FrameTiming, Stamps};
-use crate::{Gpu, GpuError, PipelineCache};
+use crate::{Gpu, GpuError, PipelineCache, uses};
 
 /// A plan with everything that it needs on a GPU, for one scene and size.
 #[derive(Debug)]
@@ -71,7 +71,8 @@ impl Frame {
         for pass in &plan.passes {
             steps::check(plan, pass)?;
             let formats = steps::colour_formats(plan, pass)?;
-            pipelines.push(cache.get(gpu, pass, &formats)?);
+            let tested = skipping.regions && uses::front_depth(plan, pass).is_some();
+            pipelines.push(cache.get(gpu, pass, &formats, tested)?);
         }
         let host = scene.host.clone();
         let parts = Parts::new(&Making {
@@ -124,49 +125,30 @@ impl Frame {
         } else {
             self.parts.host_buffers.update(&self.gpu, &host, &views)?
         };
+        let making = Making {
+            gpu: &self.gpu,
+            plan: &self.plan,
+            pipelines: &self.pipelines,
+            scene: &self.scene,
+            host: &host,
+            size: self.size,
+            skipping: self.skipping,
+        };
         self.uploaded_last = 0;
         match written {
             Written::Bytes(bytes) => {
-                self.uploaded += bytes;
-                self.uploaded_last = bytes;
                 self.parts.note_changes();
-                self.redraw(&host, &views)?;
+                let sight = host.sight(&views);
+                if sight != self.host.sight(&self.parts.resources.views) {
+                    self.parts.redraw(&making, &sight)?;
+                }
+                self.uploaded_last = bytes + self.parts.confine(&making)?;
+                self.uploaded += self.uploaded_last;
             }
-            Written::Outgrown => {
-                self.parts = Parts::new(&Making {
-                    gpu: &self.gpu,
-                    plan: &self.plan,
-                    pipelines: &self.pipelines,
-                    scene: &self.scene,
-                    host: &host,
-                    size: self.size,
-                    skipping: self.skipping,
-                })?;
-            }
+            Written::Outgrown => self.parts = Parts::new(&making)?,
         }
         self.parts.resources.views = views;
         self.host = host;
-        Ok(())
-    }
-
-    /// Has the passes draw what another camera needs.
-    fn redraw(&mut self, host: &HostScene, views: &Views) -> Result<(), GpuError> {
-        let sight = host.sight(views);
-        if sight == self.host.sight(self.views()) {
-            return Ok(());
-        }
-        let steps = self.plan.passes.iter().zip(&mut self.parts.steps);
-        for (index, (pass, step)) in steps.enumerate() {
-            if let (PassKind::Draw(geometry), Work::Render { draw, .. }) =
-                (&pass.kind, &mut step.work)
-            {
-                let new = Draw::scene(&self.gpu, &self.scene, *geometry, &sight)?;
-                if new != *draw {
-                    *draw = new;
-                    self.parts.reuse.touch(index);
-                }
-            }
-        }
         Ok(())
     }
 

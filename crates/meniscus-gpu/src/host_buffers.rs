@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use meniscus_pipeline::PlannedPass;
+use meniscus_pipeline::{PlannedPass, host};
 use meniscus_shader::{Binding, Shader};
 use naga::{Handle, Type};
 use wgpu::util::DeviceExt;
@@ -148,6 +148,29 @@ impl HostBuffers {
     }
 }
 
+/// A uniform block of the host's for one pass.
+struct Block<'a> {
+    name: &'a str,
+    scene: &'a HostScene,
+    views: &'a Views,
+    view: PassViews,
+}
+
+impl layout::Values for Block<'_> {
+    fn value(&self, member: &str) -> Option<layout::Value> {
+        self.scene.block(self.name, member, self.views, self.view)
+    }
+
+    fn length(&self, array: &str) -> Option<usize> {
+        host::block_array(self.name, array)?;
+        self.scene.array_length(array)
+    }
+
+    fn element(&self, array: &str, index: usize, member: &str) -> Option<layout::Value> {
+        self.scene.element(array, index, member)
+    }
+}
+
 /// The bytes of a block or array, in the layout that a shader declares.
 pub(crate) fn bytes(
     resource: &str,
@@ -159,11 +182,15 @@ pub(crate) fn bytes(
 ) -> Result<Vec<u8>, String> {
     if let Some(length) = scene.array_length(resource) {
         let element = |index: usize, member: &str| scene.element(resource, index, member);
-        layout::array_bytes(&shader.module, ty, length, element)
+        layout::array_bytes(&shader.module, ty, length, &element)
     } else if HostScene::has_block(resource) {
-        layout::block_bytes(&shader.module, ty, |member| {
-            scene.block(resource, member, views, view)
-        })
+        let block = Block {
+            name: resource,
+            scene,
+            views,
+            view,
+        };
+        layout::block_bytes(&shader.module, ty, &block)
     } else {
         Err("neither the pipeline nor the host has anything of that name".to_owned())
     }

@@ -177,6 +177,10 @@ impl HostScene {
             "root_high" => root,
             "root_low" => root - f64::from(root_high),
             "time" => water.time,
+            "wave_count" => {
+                let count = water.waves.len();
+                return Some(Value::U32(u32::try_from(count).unwrap_or(u32::MAX)));
+            }
             _ => return None,
         };
         Some(Value::F32(value as f32))

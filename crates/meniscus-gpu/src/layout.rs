@@ -56,7 +56,30 @@ impl Value {
     }
 }
 
-/// The bytes of a uniform block: each member of the struct where naga puts it.
+/// Values of a block by the names of its members.
+pub(crate) trait Values {
+    /// A member that is one value.
+    fn value(&self, member: &str) -> Option<Value>;
+
+    /// The number of elements of a member that is an array of structs; none if it is not.
+    fn length(&self, _array: &str) -> Option<usize> {
+        None
+    }
+
+    /// A member of such an array's element, which is in range.
+    fn element(&self, _array: &str, _index: usize, _member: &str) -> Option<Value> {
+        None
+    }
+}
+
+impl<F: Fn(&str) -> Option<Value>> Values for F {
+    fn value(&self, member: &str) -> Option<Value> {
+        self(member)
+    }
+}
+
+/// The bytes of a uniform block: each member of the struct where naga puts it. Of arrays in it, as
+/// many elements as it has room for, and zeros behind the last.
 ///
 /// # Errors
 /// When the type is no struct, when the host has no such member or has it with another type, and
@@ -64,7 +87,7 @@ impl Value {
 pub(crate) fn block_bytes(
     module: &Module,
     ty: Handle<Type>,
-    value: impl Fn(&str) -> Option<Value>,
+    values: &dyn Values,
 ) -> Result<Vec<u8>, String> {
     let TypeInner::Struct { ref members, span } = module.types[ty].inner else {
         return Err("it is to be declared as a struct".to_owned());
@@ -72,7 +95,15 @@ pub(crate) fn block_bytes(
     let mut bytes = vec![0; span as usize];
     for member in members {
         let name = member.name.as_deref().unwrap_or_default();
-        let Some(value) = value(name) else {
+        let start = member.offset as usize;
+        if let Some(length) = values.length(name) {
+            let element = |index: usize, member: &str| values.element(name, index, member);
+            let inner = member_array_bytes(module, member.ty, length, &element)
+                .map_err(|problem| format!("its member `{name}`: {problem}"))?;
+            bytes[start..start + inner.len()].copy_from_slice(&inner);
+            continue;
+        }
+        let Some(value) = values.value(name) else {
             return Err(format!("the host has no member `{name}` in it"));
         };
         if !value.fits(&module.types[member.ty].inner) {
@@ -84,10 +115,25 @@ pub(crate) fn block_bytes(
             ));
         }
         let value = value.bytes();
-        let start = member.offset as usize;
         bytes[start..start + value.len()].copy_from_slice(&value);
     }
     Ok(bytes)
+}
+
+/// The bytes of an array of structs in a block.
+fn member_array_bytes(
+    module: &Module,
+    ty: Handle<Type>,
+    count: usize,
+    value: &dyn Fn(usize, &str) -> Option<Value>,
+) -> Result<Vec<u8>, String> {
+    match module.types[ty].inner {
+        TypeInner::Array {
+            size: ArraySize::Constant(length),
+            ..
+        } => array_bytes(module, ty, count.min(length.get() as usize), value),
+        _ => Err("it is to be declared as an array of structs of a known length".to_owned()),
+    }
 }
 
 /// The bytes of an array of structs; at least one element, which is 0 where there is none.
@@ -98,7 +144,7 @@ pub(crate) fn array_bytes(
     module: &Module,
     ty: Handle<Type>,
     count: usize,
-    value: impl Fn(usize, &str) -> Option<Value>,
+    value: &dyn Fn(usize, &str) -> Option<Value>,
 ) -> Result<Vec<u8>, String> {
     let TypeInner::Array { base, size, stride } = module.types[ty].inner else {
         return Err("it is to be declared as an array of structs".to_owned());
@@ -115,7 +161,7 @@ pub(crate) fn array_bytes(
     };
     let mut bytes = vec![0; stride as usize * length];
     for index in 0..count {
-        let element = block_bytes(module, base, |name| value(index, name))?;
+        let element = block_bytes(module, base, &|name: &str| value(index, name))?;
         let start = index * stride as usize;
         bytes[start..start + element.len()].copy_from_slice(&element);
     }
@@ -255,7 +301,7 @@ mod tests {
         let (m, ty) = module(
             "struct B { near: f32, eye: vec3f, size: vec2f } @group(0) @binding(0) var<uniform> b: B;",
         );
-        let bytes = block_bytes(&m, ty, value).unwrap();
+        let bytes = block_bytes(&m, ty, &value).unwrap();
         assert_eq!(bytes.len(), 48);
         assert_eq!(
             (float(&bytes, 0), float(&bytes, 16), float(&bytes, 32)),
@@ -264,7 +310,7 @@ mod tests {
         let (m, ty) = module(
             "struct B { eye: vec3f, near: f32, size: vec2f } @group(0) @binding(0) var<uniform> b: B;",
         );
-        let bytes = block_bytes(&m, ty, value).unwrap();
+        let bytes = block_bytes(&m, ty, &value).unwrap();
         assert_eq!(bytes.len(), 32);
         assert_eq!(
             (float(&bytes, 12), float(&bytes, 0), float(&bytes, 20)),
@@ -276,8 +322,9 @@ mod tests {
     fn an_array_is_never_empty_and_keeps_its_stride() {
         let (m, ty) =
             module("struct E { eye: vec3f } @group(0) @binding(0) var<storage> e: array<E>;");
-        assert_eq!(array_bytes(&m, ty, 0, |_, _| None).unwrap(), [0; 16]);
-        let bytes = array_bytes(&m, ty, 2, |i, _| Some(Value::Vec3([i as f32, 0.0, 8.0]))).unwrap();
+        assert_eq!(array_bytes(&m, ty, 0, &|_, _| None).unwrap(), [0; 16]);
+        let bytes =
+            array_bytes(&m, ty, 2, &|i, _| Some(Value::Vec3([i as f32, 0.0, 8.0]))).unwrap();
         assert_eq!(
             (float(&bytes, 8), float(&bytes, 16), float(&bytes, 24)),
             (8.0, 1.0, 8.0)
@@ -290,7 +337,7 @@ mod tests {
             "struct E { id: u32, eye: vec3f, other: u32 } @group(0) @binding(0) var<storage> e: array<E>;",
         );
         let eye = |i: usize| glam::Vec3::new(i as f32, 0.5, -1.0);
-        let by_element = array_bytes(&m, ty, 3, |i, name| {
+        let by_element = array_bytes(&m, ty, 3, &|i, name| {
             Some(match name {
                 "eye" => Value::Vec3(eye(i).to_array()),
                 "id" => Value::U32(i as u32 + 7),
@@ -321,7 +368,7 @@ mod tests {
         ] {
             let text = format!("struct B {{ {member} }} @group(0) @binding(0) var<uniform> b: B;");
             let (m, ty) = module(&text);
-            let error = block_bytes(&m, ty, value).unwrap_err();
+            let error = block_bytes(&m, ty, &value).unwrap_err();
             assert!(error.contains(message), "{error}");
         }
     }

@@ -3,18 +3,21 @@
 use std::sync::Arc;
 
 use glam::UVec2;
-use meniscus_pipeline::Plan;
+use meniscus_pipeline::{PassKind, Plan};
+use wgpu::util::DeviceExt;
 
 use crate::bindings::Binder;
 use crate::host_buffers::HostBuffers;
 use crate::host_scene::HostScene;
 use crate::pipelines::Pipeline;
+use crate::region::Region;
 use crate::resources::Resources;
 use crate::reuse::Reuse;
 use crate::scene_buffers::SceneBuffers;
-use crate::steps::{self, Step};
+use crate::sight::Sight;
+use crate::steps::{self, Draw, Step, Work};
 use crate::uses::{Use, Uses};
-use crate::{Gpu, GpuError, record};
+use crate::{Gpu, GpuError, record, uses};
 
 /// What a frame may leave out without changing a bit of what comes out of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,13 +25,21 @@ pub struct Skipping {
     /// Textures that are never needed at once share memory. What they held cannot be read after
     /// the frame; what comes out of it can.
     pub sharing: bool,
+    /// Passes over the water touch the pixels that may show it, those over the rest the others.
+    pub regions: bool,
 }
 
 impl Skipping {
     /// All that can be left out.
-    pub const ALL: Self = Self { sharing: true };
+    pub const ALL: Self = Self {
+        sharing: true,
+        regions: true,
+    };
     /// Nothing is left out.
-    pub const NONE: Self = Self { sharing: false };
+    pub const NONE: Self = Self {
+        sharing: false,
+        regions: false,
+    };
 }
 
 /// What parts are made from.
@@ -50,6 +61,9 @@ pub(crate) struct Parts {
     pub host_buffers: HostBuffers,
     pub steps: Vec<Step>,
     pub reuse: Reuse,
+    region: Region,
+    /// The corners of the region's plane, where some pass is tested against it.
+    corners: Option<wgpu::Buffer>,
 }
 
 impl Parts {
@@ -72,6 +86,12 @@ impl Parts {
             host_uses: Vec::new(),
         };
         let uses = Uses::new(plan);
+        let region = making.region();
+        let is_tested = |pass| uses::front_depth(plan, pass).is_some();
+        let corners = match making.skipping.regions && plan.passes.iter().any(is_tested) {
+            true => Some(corners(gpu, &region)?),
+            false => None,
+        };
         let builder = steps::Builder {
             gpu,
             plan,
@@ -80,6 +100,8 @@ impl Parts {
             uses: &uses,
             scene,
             sight: host.sight(&views),
+            region: &region,
+            corners: corners.as_ref(),
         };
         let (steps, never_written) = builder.steps(&mut binder)?;
         let host_buffers = binder.host;
@@ -96,6 +118,8 @@ impl Parts {
             host_buffers,
             steps,
             reuse,
+            region,
+            corners,
         })
     }
 
@@ -108,6 +132,85 @@ impl Parts {
             }
         }
     }
+}
+
+impl Making<'_> {
+    fn region(&self) -> Region {
+        match self.skipping.regions {
+            true => Region::new(self.host, self.size),
+            false => Region::whole(self.size),
+        }
+    }
+}
+
+impl Parts {
+    /// Has the passes draw what another camera needs.
+    pub fn redraw(&mut self, making: &Making, sight: &Sight) -> Result<(), GpuError> {
+        let steps = making.plan.passes.iter().zip(&mut self.steps);
+        for (index, (pass, step)) in steps.enumerate() {
+            if let (PassKind::Draw(geometry), Work::Render { draw, .. }) =
+                (&pass.kind, &mut step.work)
+            {
+                let new = Draw::scene(making.gpu, making.scene, *geometry, sight)?;
+                if new != *draw {
+                    *draw = new;
+                    self.reuse.touch(index);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Has the passes touch the pixels that another camera, or other water, makes theirs; bytes
+    /// that were written.
+    pub fn confine(&mut self, making: &Making) -> Result<u64, GpuError> {
+        let region = making.region();
+        if region == self.region {
+            return Ok(0);
+        }
+        let uses = Uses::default();
+        let builder = steps::Builder {
+            gpu: making.gpu,
+            plan: making.plan,
+            pipelines: making.pipelines,
+            resources: &self.resources,
+            uses: &uses,
+            scene: making.scene,
+            sight: making.host.sight(&self.resources.views),
+            region: &region,
+            corners: self.corners.as_ref(),
+        };
+        let moved = region.plane != self.region.plane;
+        let passes = making.plan.passes.iter().zip(&mut self.steps);
+        for (index, (pass, step)) in passes.enumerate() {
+            let tested = moved && uses::front_depth(making.plan, pass).is_some();
+            if builder.confine(pass, step)? || tested {
+                self.reuse.touch(index);
+            }
+        }
+        let mut written = 0;
+        if let Some(corners) = self.corners.as_ref().filter(|_| moved) {
+            let bytes: &[u8] = bytemuck::cast_slice(&region.plane);
+            let queue = making.gpu.queue();
+            making
+                .gpu
+                .attempt("writing a plane", || queue.write_buffer(corners, 0, bytes))?;
+            written = bytes.len() as u64;
+        }
+        self.region = region;
+        Ok(written)
+    }
+}
+
+fn corners(gpu: &Gpu, region: &Region) -> Result<wgpu::Buffer, GpuError> {
+    let descriptor = wgpu::util::BufferInitDescriptor {
+        label: Some("the plane over the water"),
+        contents: bytemuck::cast_slice(&region.plane),
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+    };
+    gpu.create("the plane over the water", || {
+        gpu.device().create_buffer_init(&descriptor)
+    })
 }
 
 /// What can be reused, by the memory that textures lie in.

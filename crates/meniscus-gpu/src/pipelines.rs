@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use meniscus_pipeline::PlannedPass;
 use meniscus_shader::{Binding, BindingKind, Entry, Sample, Shader};
@@ -16,7 +16,14 @@ use crate::{Gpu, GpuError, formats};
 pub struct PipelineCache {
     modules: Mutex<HashMap<String, wgpu::ShaderModule>>,
     pipelines: Mutex<HashMap<Key, Arc<Pipeline>>>,
+    given: OnceLock<wgpu::ShaderModule>,
 }
+
+/// The vertex stage of passes whose triangle is given.
+const GIVEN_TRIANGLE: &str = "
+@vertex fn corner(@location(0) clip: vec4f) -> @builtin(position) vec4f {
+    return clip;
+}";
 
 /// What a pipeline depends on.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -26,6 +33,8 @@ struct Key {
     numbers: Vec<(String, u64)>,
     formats: Vec<wgpu::TextureFormat>,
     depth: bool,
+    /// Drawn as a triangle that is given, tested against depths.
+    tested: bool,
 }
 
 /// A pipeline and the layout of its only bind group.
@@ -57,22 +66,23 @@ impl PipelineCache {
         (modules, pipelines)
     }
 
-    /// The pipeline of a pass that writes targets of these formats.
+    /// The pipeline of a pass that writes targets of these formats. One that is `tested` draws a
+    /// triangle whose clip-space corners it is given, where that is not behind a depth buffer.
     pub(crate) fn get(
         &self,
         gpu: &Gpu,
         pass: &PlannedPass,
         formats: &[wgpu::TextureFormat],
+        tested: bool,
     ) -> Result<Arc<Pipeline>, GpuError> {
         let key = Key {
             hash: pass.shader.hash.clone(),
-            numbers: pass
-                .numbers
-                .iter()
-                .map(|(n, v)| (n.clone(), v.to_bits()))
+            numbers: constants(pass)
+                .map(|(n, v)| (n.to_owned(), v.to_bits()))
                 .collect(),
             formats: formats.to_vec(),
             depth: pass.depth.is_some(),
+            tested,
         };
         let known = self
             .pipelines
@@ -86,12 +96,29 @@ impl PipelineCache {
         // Made without holding the lock, so that passes can be compiled side by side; of two that
         // are the same, the first to be done stays.
         let module = self.module(gpu, pass)?;
-        let pipeline = Arc::new(make(gpu, pass, &module, formats)?);
+        let given = match tested {
+            true => Some(self.given_triangle(gpu)?),
+            false => None,
+        };
+        let pipeline = Arc::new(make(gpu, pass, &module, formats, given.as_ref())?);
         let mut pipelines = self
             .pipelines
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
         Ok(pipelines.entry(key).or_insert(pipeline).clone())
+    }
+
+    fn given_triangle(&self, gpu: &Gpu) -> Result<wgpu::ShaderModule, GpuError> {
+        if let Some(known) = self.given.get() {
+            return Ok(known.clone());
+        }
+        let module = gpu.create("the shader of a given triangle", || {
+            let source = wgpu::ShaderSource::Wgsl(Cow::Borrowed(GIVEN_TRIANGLE));
+            let label = Some("a given triangle");
+            gpu.device()
+                .create_shader_module(wgpu::ShaderModuleDescriptor { label, source })
+        })?;
+        Ok(self.given.get_or_init(|| module).clone())
     }
 
     fn module(&self, gpu: &Gpu, pass: &PlannedPass) -> Result<wgpu::ShaderModule, GpuError> {
@@ -109,6 +136,13 @@ impl PipelineCache {
         let mut modules = self.modules.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(modules.entry(shader.hash.clone()).or_insert(module).clone())
     }
+}
+
+/// The numbers that a pipeline is made with: all but the live ones, which stand in a buffer.
+fn constants(pass: &PlannedPass) -> impl Iterator<Item = (&str, f64)> {
+    let is_live = |name: &str| pass.shader.live.iter().any(|number| number.name == name);
+    let numbers = pass.numbers.iter().map(|(name, value)| (name.as_str(), *value));
+    numbers.filter(move |(name, _)| !is_live(name))
 }
 
 /// A shader module from the IR.
@@ -130,6 +164,7 @@ fn make(
     pass: &PlannedPass,
     module: &wgpu::ShaderModule,
     formats: &[wgpu::TextureFormat],
+    given: Option<&wgpu::ShaderModule>,
 ) -> Result<Pipeline, GpuError> {
     let device = gpu.device();
     let label = Some(pass.name.as_str());
@@ -139,7 +174,7 @@ fn make(
         device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries })
     })?;
     let pipeline_layout = device_layout(gpu, &pass.name, &layout)?;
-    let constants: Vec<(&str, f64)> = pass.numbers.iter().map(|(n, v)| (n.as_str(), *v)).collect();
+    let constants: Vec<(&str, f64)> = constants(pass).collect();
     let options = wgpu::PipelineCompilationOptions {
         constants: &constants,
         ..Default::default()
@@ -164,19 +199,38 @@ fn make(
                 step_mode: wgpu::VertexStepMode::Vertex,
                 attributes: &attributes,
             };
-            let buffers = if attributes.is_empty() {
-                vec![]
-            } else {
-                vec![Some(buffer)]
+            let corner = wgpu::VertexBufferLayout {
+                array_stride: 16,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &wgpu::vertex_attr_array![0 => Float32x4],
+            };
+            let buffers = match given {
+                Some(_) => vec![Some(corner)],
+                None if attributes.is_empty() => vec![],
+                None => vec![Some(buffer)],
+            };
+            // Reversed depth: near/z, 0 at infinity.
+            let depth = wgpu::DepthStencilState {
+                format: wgpu::TextureFormat::Depth32Float,
+                depth_write_enabled: Some(given.is_none()),
+                depth_compare: Some(match given {
+                    Some(_) => wgpu::CompareFunction::GreaterEqual,
+                    None => wgpu::CompareFunction::Greater,
+                }),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
             };
             let targets: Vec<_> = formats.iter().map(|&format| Some(format.into())).collect();
             let descriptor = wgpu::RenderPipelineDescriptor {
                 label,
                 layout: Some(&pipeline_layout),
                 vertex: wgpu::VertexState {
-                    module,
-                    entry_point: Some(vertex),
-                    compilation_options: options.clone(),
+                    module: given.unwrap_or(module),
+                    entry_point: Some(given.map_or(vertex, |_| "corner")),
+                    compilation_options: match given {
+                        Some(_) => Default::default(),
+                        None => options.clone(),
+                    },
                     buffers: &buffers,
                 },
                 fragment: Some(wgpu::FragmentState {
@@ -185,14 +239,7 @@ fn make(
                     compilation_options: options,
                     targets: &targets,
                 }),
-                // Reversed depth: near/z, 0 at infinity.
-                depth_stencil: pass.depth.is_some().then(|| wgpu::DepthStencilState {
-                    format: wgpu::TextureFormat::Depth32Float,
-                    depth_write_enabled: Some(true),
-                    depth_compare: Some(wgpu::CompareFunction::Greater),
-                    stencil: wgpu::StencilState::default(),
-                    bias: wgpu::DepthBiasState::default(),
-                }),
+                depth_stencil: (pass.depth.is_some() || given.is_some()).then_some(depth),
                 primitive: wgpu::PrimitiveState::default(),
                 multisample: wgpu::MultisampleState::default(),
                 multiview_mask: None,

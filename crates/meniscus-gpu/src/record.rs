@@ -116,6 +116,7 @@ pub(crate) fn step(
             Work::Render {
                 colours,
                 depth,
+                tested,
                 draw,
             },
             Stages::Render(pipeline),
@@ -124,7 +125,15 @@ pub(crate) fn step(
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some(&step.name),
                 color_attachments: &colours,
-                depth_stencil_attachment: depth.as_ref().map(depth_attachment),
+                depth_stencil_attachment: match (depth, tested) {
+                    (Some(depth), _) => Some(depth_attachment(depth)),
+                    (None, Some(tested)) => Some(wgpu::RenderPassDepthStencilAttachment {
+                        view: &tested.view,
+                        depth_ops: None,
+                        stencil_ops: None,
+                    }),
+                    (None, None) => None,
+                },
                 timestamp_writes: stamps.map(|query_set| wgpu::RenderPassTimestampWrites {
                     query_set,
                     beginning_of_pass_write_index: own_begin,
@@ -143,7 +152,16 @@ pub(crate) fn step(
                     pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
                     pass.draw_indexed(range.clone(), 0, 0..1);
                 }
-                Draw::Screen => pass.draw(0..3, 0..1),
+                Draw::Screen(rects) => {
+                    if let Some(tested) = tested {
+                        pass.set_vertex_buffer(0, tested.corners.slice(..));
+                    }
+                    for rect in rects {
+                        let size = rect.high - rect.low;
+                        pass.set_scissor_rect(rect.low.x, rect.low.y, size.x, size.y);
+                        pass.draw(0..3, 0..1);
+                    }
+                }
                 Draw::Nothing => {}
             }
             if statistics.is_some() {

@@ -5,17 +5,18 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use glam::UVec2;
-use meniscus_pipeline::{Geometry, PassKind, Plan, PlannedPass, Size};
+use meniscus_pipeline::{Geometry, PassKind, Plan, PlannedPass, Rect, Size};
 use meniscus_shader::{Binding, BindingKind, Entry};
 
 use crate::bindings::Binder;
 use crate::host_uses::HostUse;
 use crate::pipelines::{Pipeline, Stages};
+use crate::region::Region;
 use crate::resources::{Resources, Target};
 use crate::scene_buffers::{GeometryBuffers, SceneBuffers};
 use crate::sight::Sight;
 use crate::uses::{Uses, reads, writes};
-use crate::{Gpu, GpuError, formats};
+use crate::{Gpu, GpuError, formats, uses};
 
 /// One pass, ready to be recorded.
 #[derive(Debug)]
@@ -38,9 +39,18 @@ pub(crate) enum Work {
     Render {
         colours: Vec<Attachment>,
         depth: Option<Attachment>,
+        /// What stands before the water, and the plane that is tested against it.
+        tested: Option<Tested>,
         draw: Draw,
     },
     Compute(Workgroups),
+}
+
+/// Depths that are tested against and stay as they are, and the corners of the triangle tested.
+#[derive(Debug)]
+pub(crate) struct Tested {
+    pub view: wgpu::TextureView,
+    pub corners: wgpu::Buffer,
 }
 
 /// A texture that is rendered to.
@@ -64,13 +74,22 @@ pub(crate) struct Clear {
 pub(crate) enum Draw {
     /// Triangles of the scene: a range of indices.
     Scene(GeometryBuffers, Range<u32>),
-    /// One triangle that covers everything.
-    Screen,
+    /// One triangle that covers everything, in each of these rectangles.
+    Screen(Vec<Rect>),
     /// Nothing; the targets are cleared all the same.
     Nothing,
 }
 
 impl Draw {
+    /// How many draws it takes.
+    pub fn count(&self) -> u64 {
+        match self {
+            Self::Scene(..) => 1,
+            Self::Screen(rects) => rects.len() as u64,
+            Self::Nothing => 0,
+        }
+    }
+
     /// A scene's triangles, or some of them.
     pub fn scene(
         gpu: &Gpu,
@@ -101,6 +120,9 @@ pub(crate) struct Builder<'a> {
     pub uses: &'a Uses<'a>,
     pub scene: &'a SceneBuffers,
     pub sight: Sight,
+    pub region: &'a Region,
+    /// The corners of `region.plane`; none where nothing is tested against it.
+    pub corners: Option<&'a wgpu::Buffer>,
 }
 
 impl Builder<'_> {
@@ -183,12 +205,31 @@ impl Builder<'_> {
         let depth = pass.depth.as_deref().map(attachment).transpose()?;
         let draw = match &pass.kind {
             PassKind::Draw(geometry) => Draw::scene(self.gpu, self.scene, *geometry, &self.sight)?,
-            _ => Draw::Screen,
+            _ => Draw::Screen(self.rects(pass)?),
+        };
+        let tested = match (self.corners, uses::front_depth(self.plan, pass)) {
+            (Some(corners), Some(name)) => Some(Tested {
+                view: self.texture(pass, name)?.view.clone(),
+                corners: corners.clone(),
+            }),
+            _ => None,
         };
         Ok(Work::Render {
             colours,
             depth,
+            tested,
             draw,
+        })
+    }
+
+    /// The pixels that a pass over a picture has to touch.
+    fn rects(&self, pass: &PlannedPass) -> Result<Vec<Rect>, GpuError> {
+        let Some(name) = pass.targets.first().or(pass.depth.as_ref()) else {
+            return Ok(vec![]);
+        };
+        Ok(match pass.view_target {
+            Size::Frame => self.region.rects(pass.covers),
+            Size::Guarded => vec![Rect::all(self.texture(pass, name)?.size)],
         })
     }
 
@@ -212,7 +253,12 @@ impl Builder<'_> {
             PassKind::DispatchFixed(groups) => *groups,
             PassKind::Dispatch(size) => covering(self.resources.views.size(*size)),
             _ => match pass.targets.first() {
-                Some(name) => covering(self.texture(pass, name)?.size),
+                // Threads begin at the first pixel; those behind the last are not begun.
+                Some(_) => {
+                    let rects = self.rects(pass)?;
+                    let ends = rects.iter().map(|rect| rect.high);
+                    covering(ends.fold(UVec2::ZERO, UVec2::max))
+                }
                 None => {
                     return Err(GpuError::Plan(format!(
                         "pass `{}` has no texture to cover",
@@ -349,6 +395,35 @@ pub(crate) fn colour_formats(
         Ok(formats::to_wgpu(texture.format))
     };
     pass.targets.iter().map(format).collect()
+}
+
+impl Builder<'_> {
+    /// Has a step touch the pixels that are its to touch now; whether those are others than before.
+    pub fn confine(&self, pass: &PlannedPass, step: &mut Step) -> Result<bool, GpuError> {
+        match (&pass.kind, &mut step.work) {
+            (
+                PassKind::Screen,
+                Work::Render {
+                    draw: Draw::Screen(held),
+                    ..
+                },
+            ) => {
+                let rects = self.rects(pass)?;
+                let changed = *held != rects;
+                *held = rects;
+                Ok(changed)
+            }
+            (PassKind::ScreenCompute, Work::Compute(Workgroups::Direct(held))) => {
+                if let Workgroups::Direct(groups) = self.workgroups(pass)? {
+                    let changed = *held != groups;
+                    *held = groups;
+                    return Ok(changed);
+                }
+                Ok(false)
+            }
+            _ => Ok(false),
+        }
+    }
 }
 
 impl Step {

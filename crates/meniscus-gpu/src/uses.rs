@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use meniscus_pipeline::{PassKind, Plan, PlannedPass};
+use meniscus_pipeline::{Covers, Format, PassKind, Plan, PlannedPass, Size};
 use meniscus_shader::{Binding, BindingKind};
 use naga::valid::GlobalUse;
 
@@ -45,6 +45,31 @@ pub(crate) fn writes(pass: &PlannedPass) -> BTreeSet<&str> {
         .chain(pass.targets.iter().map(String::as_str))
         .chain(pass.depth.as_deref())
         .collect()
+}
+
+/// By this name a pass over the water reads the depths of what stands before it.
+const FRONT_DEPTH: &str = "front_depth";
+
+/// The texture against which a pass over the water can be tested: the depths of what stands before
+/// the water, if the pass reads them and draws pixels alone.
+pub(crate) fn front_depth<'a>(plan: &Plan, pass: &'a PlannedPass) -> Option<&'a str> {
+    let of_screen = pass.kind == PassKind::Screen && pass.covers == Covers::Water;
+    if !of_screen || pass.view_target != Size::Frame || pass.depth.is_some() {
+        return None;
+    }
+    let front =
+        |b: &&Binding| b.variable == FRONT_DEPTH && matches!(b.kind, BindingKind::Texture { .. });
+    let name = texture_name(pass, pass.shader.bindings.iter().find(front)?);
+    let texture = plan.textures.get(name)?;
+    let fits = texture.size == Size::Frame && texture.format == Format::Depth32Float;
+    // A triangle of ours can stand for the shader's own only where nothing else is handed on.
+    let handed_on = |argument: &naga::FunctionArgument| {
+        !matches!(argument.binding, Some(naga::Binding::BuiltIn(_)))
+    };
+    let mut stages = pass.shader.module.entry_points.iter();
+    let fragment = stages.find(|entry| entry.stage == naga::ShaderStage::Fragment)?;
+    let plain = !fragment.function.arguments.iter().any(handed_on);
+    (fits && plain).then_some(name)
 }
 
 /// The textures that some pass stores to.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, UVec2};
 use meniscus_gpu::{Frame, PipelineCache, SceneBuffers, Skipping};
-use meniscus_pipeline::{Buffer, Format, Geometry, PassKind, Plan, Size};
+use meniscus_pipeline::{Buffer, Covers, Format, Geometry, PassKind, Plan, Size};
 
 use crate::build::{COVER, DRAW, buffer, frame, gpu, pass, plan, scene, shader, wave};
 
@@ -231,6 +231,120 @@ fn what_the_last_frame_left_is_counted_on_in_every_frame() {
         assert_eq!(
             frame.read("out").unwrap().at(0, 0).unwrap()[0],
             number as f32
+        );
+    }
+}
+
+/// What stands before the water, then the water on its rest plane; where neither is, the sky.
+fn over_water() -> Plan {
+    let draw = shader(
+        &format!(
+            "{DRAW} @fragment fn show(v: Varied) -> @location(0) vec4f {{
+                if v.world.z < 0.0 {{ discard; }}
+                return vec4f(v.world, 1.0);
+            }}"
+        ),
+        &["colour"],
+    );
+    let mut near = pass("near", PassKind::Draw(Geometry::NearSide), &draw, &["out"]);
+    near.depth = Some("front".to_owned());
+    let text = format!(
+        "{COVER}
+        struct View {{ eye: vec3f, right: vec3f, up: vec3f, forward: vec3f, focal: f32, size: vec2f, near: f32 }}
+        var<uniform> view_target: View;
+        struct W {{ level: f32 }} var<uniform> water: W;
+        var front_depth: texture_depth_2d;
+        @fragment fn show(@builtin(position) at: vec4f) -> @location(0) vec4f {{
+            let centred = at.xy - 0.5 * view_target.size;
+            let way = normalize(view_target.forward * view_target.focal
+                + view_target.right * centred.x - view_target.up * centred.y);
+            let distance = -(view_target.eye.z - water.level) / way.z;
+            let depth = textureLoad(front_depth, vec2u(at.xy), 0);
+            let wet = distance > 0.0 && distance < 1e9
+                && depth * distance * dot(way, view_target.forward) < view_target.near;
+            if !wet && depth > 0.0 {{ discard; }}
+            return select(vec4f(way, 5.0), vec4f(distance, at.xy, 2.0), wet);
+        }}"
+    );
+    let pixels = |name: &str, covers: Covers| {
+        let mut pass = pass(
+            name,
+            PassKind::Screen,
+            &shader(&text, &["colour"]),
+            &["out"],
+        );
+        for binding in &mut Arc::get_mut(&mut pass.shader).expect("its own").bindings {
+            if binding.variable == "front_depth" {
+                binding.resource = "front".to_owned();
+            }
+        }
+        pass.covers = covers;
+        pass
+    };
+    let textures = [
+        ("out", FLOATS, Size::Frame),
+        ("front", Format::Depth32Float, Size::Frame),
+    ];
+    let dry = pixels("dry", Covers::Dry);
+    plan(
+        &textures,
+        &[],
+        vec![near, dry, pixels("wet", Covers::Water)],
+    )
+}
+
+#[test]
+fn what_cannot_show_water_is_left_out_to_the_bit() {
+    let plan = over_water();
+    // A deck just above the water with a hole in it, and a wall.
+    let (low, inner, outer) = (0.1, 0.7, 30.0);
+    let side = |turn: u32| {
+        let corner = |r: f32, k: u32| {
+            let signs = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]][k as usize % 4];
+            [r * signs[0], 4.0 + r * signs[1], low]
+        };
+        let (a, b) = (corner(inner, turn), corner(inner, turn + 1));
+        let (c, d) = (corner(outer, turn + 1), corner(outer, turn));
+        [[a, d, b], [d, c, b]]
+    };
+    let mut triangles: Vec<_> = (0..4).flat_map(side).collect();
+    triangles.push([[0.4, 4.0, -1.0], [0.8, 4.0, -1.0], [0.6, 4.0, 0.6]]);
+    let mut scene = scene(&triangles);
+    let cache = PipelineCache::default();
+    let buffers = Arc::new(SceneBuffers::new(gpu(), &scene).unwrap());
+    let size = UVec2::new(96, 64);
+    let made =
+        |skipping| Frame::with(gpu(), &plan, buffers.clone(), size, &cache, skipping).unwrap();
+    let (mut some, mut all) = (made(Skipping::ALL), made(Skipping::NONE));
+    for (height, target) in [
+        (1.0, [0.0, 4.0, 0.0]),
+        (3.0, [0.0, 4.0, 0.0]),
+        (1.0, [0.0, 4.0, 2.5]),
+        (1.0, [0.0, 4.0, 5.9]),
+        (0.3, [3.0, 4.0, 0.0]),
+        (0.11, [0.0, 4.0, 0.1]),
+        (-1.0, [0.0, 4.0, 0.0]),
+        (2.0, [0.0, 0.001, 0.0]),
+        (0.0, [0.0, 4.0, 0.0]),
+        (1e-4, [0.0, 4.0, 0.0]),
+    ] {
+        scene.camera.eye.z = height;
+        scene.camera.target = DVec3::from_array(target);
+        for frame in [&mut some, &mut all] {
+            frame.update(&scene).unwrap();
+            frame.refresh().unwrap();
+        }
+        let (one, two) = (some.read("out").unwrap(), all.read("out").unwrap());
+        assert_eq!(one, two, "{height} {target:?}");
+        let Some(fragments) = some.counters().unwrap().fragment_invocations else {
+            continue;
+        };
+        let unconfined = all.counters().unwrap().fragment_invocations.unwrap();
+        assert!(
+            fragments < unconfined,
+            "{height} {target:?}: {:?} {:?}",
+            some.counters(),
+            all.counters()
         );
     }
 }
