@@ -108,35 +108,43 @@ fn missing_domain(module: &Module) -> Option<Diagnostic> {
     )
 }
 
-/// Warnings about needs of which no name is used.
+/// Warnings about needs of which no name is used. What a needed module needs comes with it; if that
+/// is all that is used, it is what should be needed.
 fn unused_needs(library: &Library, module: &Module) -> Report {
     let outline = &module.outline;
     let used: BTreeSet<&str> = outline
         .items
         .iter()
-        .flat_map(|item| &item.words)
+        .flat_map(|item| &item.spellings)
         .map(|&index| &module.file.text[outline.tokens[index].range.clone()])
         .collect();
+    let is_used = |needed: &Module| {
+        let mut items = needed.outline.items.iter();
+        items.any(|item| used.contains(item.name.as_str()))
+    };
     let mut report = Report::default();
     for need in &module.header.needs {
-        let Some(needed) = library.get(&need.text) else {
+        let Some(needed) = library.get(&need.text).filter(|needed| !is_used(needed)) else {
             continue;
         };
-        if !needed
-            .outline
-            .items
-            .iter()
-            .any(|item| used.contains(item.name.as_str()))
-        {
-            report.add(
-                Diagnostic::warning(format!(
-                    "`{}` needs `{}` and uses nothing of it",
-                    module.path, need.text
-                ))
-                .at(&need.place, "not used")
-                .with_help("leave it out"),
-            );
-        }
+        let wrong = Diagnostic::warning(format!(
+            "`{}` needs `{}` and uses nothing of it",
+            module.path, need.text
+        ))
+        .at(&need.place, "not used");
+        let direct = |other: &Module| module.header.needs.iter().any(|n| n.text == other.path);
+        let behind = library.closure(needed).into_iter().skip(1);
+        let instead: Vec<String> = behind
+            .filter(|other| is_used(other) && !direct(other))
+            .map(|other| format!("`{}`", other.path))
+            .collect();
+        report.add(match instead.is_empty() {
+            true => wrong.with_help("leave it out"),
+            false => wrong.with_help(format!(
+                "need {} instead, which it uses by way of it",
+                instead.join(", ")
+            )),
+        });
     }
     report
 }

@@ -448,6 +448,28 @@ fn modules_that_are_wrong_wgsl() {
         "uses nothing of it",
         "leave it out",
     );
+    // What a needed module needs comes with it, but is better needed itself.
+    let through =
+        "// B.\n// needs: geometry/ray\n\nfn b(ray: Ray) -> f32 {\n    return ray.origin.x;\n}\n";
+    let (composer, _) = library(&[
+        ("b", through),
+        (
+            "a",
+            "// A.\n// needs: b\n\nfn f(ray: Ray) -> f32 {\n    return ray.origin.y;\n}\n",
+        ),
+        (
+            "c",
+            "// C.\n// needs: b\n\nfn f(ray: Ray) -> f32 {\n    return b(ray);\n}\n",
+        ),
+    ]);
+    told(
+        "needs_by_way_of_another",
+        &composer.check_module("a"),
+        "a.wgsl:2:11",
+        "uses nothing of it",
+        "need `geometry/ray` instead, which it uses by way of it",
+    );
+    assert_eq!(composer.check_module("c").to_string(), "");
 }
 
 #[test]
