@@ -36,8 +36,9 @@ pub const VIEW: Members = &[
 /// `level`: z of the rest plane. `refractive_index`: of the water relative to the air.
 /// `relative_index`: of the far side relative to the camera's side. `camera_side`: 1 with the eye
 /// above the rest plane or on it, −1 below. `height_bound`, `slope_bound`: what the wave sum
-/// cannot exceed, and `curvature_bound` (1/m) what its second derivatives cannot. `root_high` + `root_low`: √(N² − 1), N being the larger of the index and its
-/// inverse, as a sum of two floats; `larger_index`: N.
+/// cannot exceed, and `curvature_bound` (1/m) what its second derivatives cannot. `root_high` +
+/// `root_low`: √(N² − 1), N being the larger of the index and its inverse, as a sum of two floats;
+/// `larger_index`: N. `wave_count`: how many terms the sum has; see [`BLOCK_ARRAYS`] for the terms.
 pub const WATER: Members = &[
     ("level", ValueType::F32),
     ("refractive_index", ValueType::F32),
@@ -50,6 +51,7 @@ pub const WATER: Members = &[
     ("root_high", ValueType::F32),
     ("root_low", ValueType::F32),
     ("time", ValueType::F32),
+    ("wave_count", ValueType::U32),
 ];
 
 /// Members of `light`: the sun and the sky, see `meniscus_scene::{Sun, Sky}`.
@@ -67,6 +69,18 @@ pub const LIGHT: Members = &[
 /// There are three and should not be more: with a fourth in one shader, Mesa 22.3's software driver
 /// writes outside its memory while it looks for uniforms to inline, and crashes.
 pub const BLOCKS: &[(&str, Members)] = &[("view_target", VIEW), ("water", WATER), ("light", LIGHT)];
+
+/// Arrays of [`ARRAYS`] that a block may hold as a member of the same name, with a length that the
+/// shader declares: the first so many elements, and zeros behind the last. Many drivers read uniform
+/// blocks faster than storage where all pixels read the same.
+pub const BLOCK_ARRAYS: &[(&str, &str)] = &[("water", "waves")];
+
+/// The members of an element of an array that a block may hold.
+pub fn block_array(block: &str, member: &str) -> Option<Members> {
+    let array = ARRAYS.iter().find(|(array, _)| *array == member);
+    let (_, members) = array.filter(|_| BLOCK_ARRAYS.contains(&(block, member)))?;
+    Some(members)
+}
 
 /// Read-only storage arrays by the variable's name, with the members of an element.
 ///

@@ -78,6 +78,12 @@ pub(crate) enum Command {
     Diff(super::diff::Diff),
     /// Draw a pipeline: its passes, what fills their slots, and what lies between them.
     Graph(super::graph::Graph),
+    /// Render with all that can be left out left out, and with nothing, and compare.
+    ///
+    /// Every output has to hold the same bits; where a module says that leaving something out moves
+    /// what is shown by a part of a pixel, what is shown has to stay within that. Cameras, waves and
+    /// times are drawn at random. Ends with 1 where something differs, and tells how to see it again.
+    Prove(Box<super::prove::Prove>),
     /// Write what something new begins as.
     New(super::new_module::New),
     /// Render one pipeline to a PNG.
@@ -375,8 +381,13 @@ impl Look {
         report.into_result(settings)
     }
 
+    /// The scene's name.
+    pub fn scene_name(&self) -> &str {
+        self.scene.as_deref().unwrap_or(SCENE)
+    }
+
     pub fn scene(&self, project: &meniscus::Project) -> Result<Scene, Failure> {
-        Ok(project.scene(self.scene.as_deref().unwrap_or(SCENE), &self.settings()?)?)
+        Ok(project.scene(self.scene_name(), &self.settings()?)?)
     }
 }
 

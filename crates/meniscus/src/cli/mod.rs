@@ -15,6 +15,7 @@ mod moment;
 mod new_module;
 mod outputs;
 mod progress;
+mod prove;
 mod render;
 mod run;
 mod say;
@@ -102,7 +103,8 @@ pub(crate) fn run() -> ExitCode {
 }
 
 fn execute(arguments: Arguments) -> Result<(), Failure> {
-    let project = Project::open(&arguments.sources())?;
+    let sources = arguments.sources();
+    let project = Project::open(&sources)?;
     match arguments.command {
         Command::List(list) => list::run(&project, &list),
         Command::Check(check) => check::check(&project, &check),
@@ -110,6 +112,7 @@ fn execute(arguments: Arguments) -> Result<(), Failure> {
         Command::Diff(diff) => diff::run(&project, &diff),
         Command::Explain(explain) => explain::run(&project, &explain),
         Command::Graph(graph) => graph::run(&project, &graph),
+        Command::Prove(prove) => prove::run(&project, &prove, &sources),
         Command::New(new) => new_module::run(&project, &new),
         Command::Render(render) => render::run(&project, &render),
         Command::Run(asked) => run::run(&project, &asked),
