@@ -44,5 +44,5 @@ pub use results::{Counters, FrameMs, PassMs, Relative, Results, Row, Timer, Trut
 pub use statistics::{Summary, median, quantile};
 pub use sweep::{Sweep, SweepPoint};
 pub use table::{Table, aligned};
-pub use time_error::{FigurePoint, pareto_front, time_error_figure};
+pub use time_error::{FigurePoint, pareto_front, plane_figure, time_error_figure};
 pub use timing::{Timing, TimingWarning, relative_time, timing_warnings};

@@ -70,6 +70,19 @@ pub fn time_error_figure(
     error_axis: &str,
     points: &[FigurePoint],
 ) -> Result<String, MeasureError> {
+    plane_figure(title, [TIME_AXIS, error_axis], points)
+}
+
+/// The same with other words under the axes: to the right, upwards. Times may then be in another
+/// unit.
+///
+/// # Errors
+/// As [`time_error_figure`].
+pub fn plane_figure(
+    title: &str,
+    axes: [&str; 2],
+    points: &[FigurePoint],
+) -> Result<String, MeasureError> {
     check(points)?;
     let smallest = points
         .iter()
@@ -90,7 +103,7 @@ pub fn time_error_figure(
     let y = Axis::holding(points.iter().map(|p| drawn(p.error)), AREA.bottom, AREA.top);
     let front = pareto_front(points);
 
-    let mut svg = AREA.begin(title, [TIME_AXIS, error_axis]);
+    let mut svg = AREA.begin(title, axes);
     AREA.write_upright(&mut svg, &x);
     AREA.write_level(&mut svg, &y);
     let places: Vec<[f64; 2]> = points

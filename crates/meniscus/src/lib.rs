@@ -24,6 +24,8 @@ mod rivalry;
 mod rounds;
 mod rows;
 mod scene_stress;
+mod solvers;
+mod stability;
 mod subject;
 mod sweep;
 mod truth;
@@ -44,6 +46,8 @@ pub use report::{Beside, report, sweep_report};
 pub use rivalry::{Rivalry, contests_markdown, contests_of, contests_text};
 pub use rounds::{Rounds, Until};
 pub use scene_stress::{Distance, SceneCheck, SceneFailure, SceneStress, StressedScenes, oddity_names};
+pub use solvers::{Solver, solvers};
+pub use stability::{StabilityData, solvers_figure, stability_page};
 pub use sweep::{Axis, Partition, fingerprint, points};
 pub use warnings::gathered_warnings;
 

@@ -331,6 +331,8 @@ pub(crate) struct Stress {
     pub surroundings: Surroundings,
     #[command(flatten)]
     pub random: super::stress_scenes::RandomScenes,
+    #[command(flatten)]
+    pub stability: super::stability::Stability,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

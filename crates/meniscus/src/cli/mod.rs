@@ -20,6 +20,7 @@ mod render;
 mod run;
 mod say;
 mod schema;
+mod stability;
 mod stress;
 mod stress_scenes;
 mod sweep;
@@ -121,6 +122,9 @@ fn execute(arguments: Arguments) -> Result<(), Failure> {
         Command::Compare(compare) => compare::run(&compare),
         Command::Eval(eval) => eval::run(&project, &eval),
         Command::Schema => schema::run(),
+        Command::Stress(stress) if stress.stability.is_asked() => {
+            stability::run(&project, &stress)
+        }
         Command::Stress(stress) if stress.random.is_asked() => {
             stress_scenes::run(&project, &stress)
         }

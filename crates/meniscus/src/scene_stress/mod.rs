@@ -50,6 +50,10 @@ pub struct SceneStress {
 /// What was found.
 #[derive(Debug, Clone, Default, serde::Serialize)]
 pub struct StressedScenes {
+    /// The seed, and how many pipelines took turns.
+    pub seed: u64,
+    /// See `seed`.
+    pub pipelines: usize,
     /// Scenes that were tried.
     pub scenes: u64,
     /// Pictures that were examined; each is several frames.
@@ -198,7 +202,11 @@ impl SceneStress {
             stress: self,
             examiner: Examiner::new(project, gpu, &self.pipelines),
             folder: folder.path(),
-            found: StressedScenes::default(),
+            found: StressedScenes {
+                seed: self.seed,
+                pipelines: self.pipelines.len(),
+                ..StressedScenes::default()
+            },
         };
         for index in 0..self.scenes {
             let failures = run.found.failures.len();
