@@ -1,11 +1,12 @@
 //! What each pass is given: its bind group.
 
 use meniscus_pipeline::PlannedPass;
-use meniscus_shader::{Binding, BindingKind};
+use meniscus_shader::{Binding, BindingKind, LIVE_NUMBERS};
 
 use crate::host_buffers::HostBuffers;
 use crate::host_scene::HostScene;
 use crate::host_uses::HostUse;
+use crate::live::LiveNumbers;
 use crate::resources::Resources;
 use crate::scene_arrays::SceneArrays;
 use crate::{Gpu, GpuError, formats, uses};
@@ -17,6 +18,7 @@ pub(crate) struct Binder<'a> {
     pub scene: &'a HostScene,
     pub arrays: &'a SceneArrays,
     pub host: HostBuffers,
+    pub live: LiveNumbers,
     /// What the pass that was bound last reads of the host's buffers.
     pub host_uses: Vec<HostUse>,
 }
@@ -72,6 +74,9 @@ impl<'a> Binder<'a> {
 
     fn resource(&mut self, pass: &PlannedPass, binding: &Binding) -> Result<Bound<'a>, GpuError> {
         match binding.kind {
+            BindingKind::Storage { .. } if binding.resource == LIVE_NUMBERS => {
+                Ok(Bound::Buffer(self.live.add(self.gpu, pass)?))
+            }
             BindingKind::Uniform(ty) | BindingKind::Storage { ty, .. } => {
                 match self.resources.buffers.get(&binding.resource) {
                     Some(buffer) => Ok(Bound::Buffer(buffer.clone())),

@@ -19,7 +19,7 @@ use crate::reuse::Reuse;
 use crate::scene_buffers::SceneBuffers;
 use crate::steps::{self, Step};
 use crate::timing::{self, FrameTiming, Stamps};
-use crate::{Gpu, GpuError, PipelineCache, uses};
+use crate::{Gpu, GpuError, PipelineCache, live, uses};
 
 /// A plan with everything that it needs on a GPU, for one scene and size.
 #[derive(Debug)]
@@ -149,6 +149,23 @@ impl Frame {
         }
         self.parts.resources.views = views;
         self.host = host;
+        Ok(())
+    }
+
+    /// Sets a live number of a pass (and of its twin that tells what is shown) by its path:
+    /// `intersect.bound_px`. No pipeline is made for it; the next frame has it.
+    ///
+    /// # Errors
+    /// When there is no such pass or live number, when the value lies outside the number's range,
+    /// and when the graphics library refuses.
+    pub fn set_number(&mut self, pass: &str, path: &str, value: f64) -> Result<(), GpuError> {
+        self.uploaded_last = 0;
+        for index in live::set(&mut self.plan, pass, path, value)? {
+            let pass = &self.plan.passes[index];
+            self.uploaded_last += self.parts.live.write(&self.gpu, pass)?;
+            self.parts.reuse.touch(index);
+        }
+        self.uploaded += self.uploaded_last;
         Ok(())
     }
 

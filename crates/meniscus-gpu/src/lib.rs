@@ -29,6 +29,7 @@ mod host_uses;
 mod host_values;
 mod inspect;
 mod layout;
+mod live;
 mod parts;
 mod pipelines;
 mod queries;

@@ -9,6 +9,7 @@ use wgpu::util::DeviceExt;
 use crate::bindings::Binder;
 use crate::host_buffers::HostBuffers;
 use crate::host_scene::HostScene;
+use crate::live::LiveNumbers;
 use crate::pipelines::Pipeline;
 use crate::region::Region;
 use crate::resources::Resources;
@@ -59,6 +60,7 @@ pub(crate) struct Making<'a> {
 pub(crate) struct Parts {
     pub resources: Resources,
     pub host_buffers: HostBuffers,
+    pub live: LiveNumbers,
     pub steps: Vec<Step>,
     pub reuse: Reuse,
     region: Region,
@@ -83,6 +85,7 @@ impl Parts {
             scene: host,
             arrays: scene.arrays(),
             host: HostBuffers::default(),
+            live: LiveNumbers::default(),
             host_uses: Vec::new(),
         };
         let uses = Uses::new(plan);
@@ -104,7 +107,7 @@ impl Parts {
             corners: corners.as_ref(),
         };
         let (steps, never_written) = builder.steps(&mut binder)?;
-        let host_buffers = binder.host;
+        let (host_buffers, live) = (binder.host, binder.live);
         if !never_written.is_empty() {
             gpu.attempt("clearing textures", || {
                 let mut encoder = gpu.device().create_command_encoder(&Default::default());
@@ -116,6 +119,7 @@ impl Parts {
         Ok(Self {
             resources,
             host_buffers,
+            live,
             steps,
             reuse,
             region,

@@ -3,6 +3,7 @@
 mod build;
 mod drawing;
 mod failing;
+mod live;
 mod passes;
 mod skipping;
 mod timing;
