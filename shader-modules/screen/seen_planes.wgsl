@@ -6,11 +6,15 @@
 // provides: seen
 // needs: geometry/octahedral, screen/neighbours, screen/seen_point, screen/seen_through
 // number edge_reach: 0 to 1 texel, step 0.05
+// number neighbours: 0 to 24, step 1
 // domain: seen(texel -100 to 1e4)
 
 // How far from the place, along each axis, texels count as almost as near. Less than half a texel:
 // an edge beyond the nearest texel's own centre is more likely than not farther away.
 override edge_reach: f32 = 0.4;
+
+// How many texels around one that shows nothing are asked in its place.
+override neighbours: i32 = 24;
 
 // x: the bits of the plane's distance from the eye along its normal, metres. y, z: the geometric
 // and the shading normal, octahedral, as pairs of 16-bit numbers. w: object id + 1, 0 for none.
@@ -20,7 +24,7 @@ fn seen(texel: vec2f) -> Seen {
     let last = vec2i(textureDimensions(seen_plane)) - 1;
     let middle = vec2i(floor(texel));
     var plane = textureLoad(seen_plane, clamp(middle, vec2i(0), last), 0);
-    for (var i = 0; i < NEIGHBOURS && plane.w == 0u; i++) {
+    for (var i = 0; i < min(neighbours, NEIGHBOURS) && plane.w == 0u; i++) {
         plane = textureLoad(seen_plane, clamp(middle + neighbour(i), vec2i(0), last), 0);
     }
     var edge = false;
