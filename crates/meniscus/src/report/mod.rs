@@ -310,6 +310,9 @@ fn provenance(page: &mut String, results: &Results) {
             for (name, value) in entries {
                 let text = match value {
                     Value::String(text) => text.clone(),
+                    Value::Number(number) if number.is_f64() => {
+                        format!("{:.3}", number.as_f64().unwrap_or_default())
+                    }
                     other => other.to_string(),
                 };
                 let _ = writeln!(
