@@ -16,6 +16,7 @@ mod mesh;
 mod mesh_file;
 mod model;
 mod polygon;
+mod schema;
 mod settings;
 mod shapes;
 mod soup;
@@ -31,4 +32,5 @@ pub use mesh::Sides;
 pub use model::{
     Material, Mesh, Object, Pattern, Scene, Sky, Sun, Triangle, Water, WaterGeometry, Wave,
 };
+pub use schema::SCHEMA;
 pub use settings::{Key, Setting, Values, keys};

@@ -164,7 +164,7 @@ impl<'t> Mutator<'t> {
         let cases = std::env::var("MENISCUS_FUZZ").ok();
         let cases = cases.and_then(|n| n.parse().ok()).unwrap_or(CASES) / share;
         let start = Instant::now();
-        let mut slowest = Duration::ZERO;
+        let mut slowest = (Duration::ZERO, 0);
         for case in 0..cases {
             // A case by its number is always the same.
             let mut random = Random(case.wrapping_mul(0x9e37_79b9_7f4a_7c15));
@@ -175,11 +175,10 @@ impl<'t> Mutator<'t> {
             let took = began.elapsed();
             assert!(outcome.is_ok(), "case {case} panics:\n{text}");
             assert!(took < HANG, "case {case} takes {took:?}:\n{text}");
-            slowest = slowest.max(took);
+            slowest = slowest.max((took, case));
         }
-        println!(
-            "{cases} cases in {:.1?}, the slowest {slowest:.1?}",
-            start.elapsed()
-        );
+        let (longest, which) = slowest;
+        let all = start.elapsed();
+        println!("{cases} cases in {all:.1?}; the longest, {which}, in {longest:.1?}");
     }
 }
