@@ -13,7 +13,7 @@
 // slots: reproject, seen
 // number probes: 0 to 8, step 1
 // number first_probe: 0.001 to 100 m, step 0.01
-// domain: intersect(texel -100 to 1e4)
+// domain: intersect(ray.origin seen 0.1 to 1e4, texel -100 to 1e4)
 // identity when not waves and not camera_submerged and fine_edges: within 0.4 px
 
 override probes: i32 = 6;

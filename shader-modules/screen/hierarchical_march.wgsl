@@ -10,7 +10,7 @@
 // number thickness: 0 to 100 m, step 0.05
 // number march_tiles: 1 to 4096, step 16
 // number reach: 0.1 to 1000 m, step 1
-// domain: intersect(texel -100 to 1e4)
+// domain: intersect(ray.origin seen 0.1 to 1e4, texel -100 to 1e4)
 
 // How far every drawn surface is taken to go on behind its front.
 override thickness: f32 = 0.1;

@@ -15,7 +15,7 @@
 // number march_steps: 1 to 4096, step 64
 // number refinements: 0 to 12, step 1
 // number reach: 0.1 to 1000 m, step 1
-// domain: intersect(texel -100 to 1e4)
+// domain: intersect(ray.origin seen 0.1 to 1e4, texel -100 to 1e4)
 
 // How far every drawn surface is taken to go on behind its front.
 override thickness: f32 = 0.1;

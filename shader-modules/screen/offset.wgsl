@@ -8,7 +8,7 @@
 // needs: geometry/ray, geometry/hit, screen/drawn, screen/seen_view
 // slots: side
 // requires: reproject = screen/plain, colour = screen/resampled
-// domain: intersect(texel -100 to 1e4)
+// domain: intersect(ray.origin seen 0.1 to 1e4, texel -100 to 1e4)
 
 fn intersect(ray: Ray, texel: vec2f) -> Hit {
     let view = view_seen();

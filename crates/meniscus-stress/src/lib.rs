@@ -49,7 +49,7 @@ pub use number::{DoubleDouble, Dual, Elementary, Interval, Scalar, Shadow, Stoch
 pub use resources::{Buffer, DepthTest, Resources, Sampler, Texture, Wrap};
 pub use shape::{Column, Kind, Lanes, Shape};
 pub use stress::{
-    Case, Domain, Effort, Elsewhere, Exhausted, Findings, Input, NEARBY, Place, Range, Relation,
-    Spread, Subject, Truth, Verdict, WORST_KEPT,
+    Case, Domain, Effort, Elsewhere, Exhausted, Findings, Input, NEARBY, Picture, Place, Range,
+    Relation, Spread, Subject, Truth, Verdict, WORST_KEPT,
 };
 pub use trace::{Parting, Trace};

@@ -10,7 +10,8 @@
 //! has entries for its members, which hold wherever a function takes one. A range is `LEAST to MOST`
 //! with every float equally likely (or `linear`: every number, or `log`: every decade, or
 //! `from MAGNITUDE`: every decade on both sides of 0 from a magnitude on, and 0), `unit` for unit
-//! vectors, or `is` with the components of something fixed. `near` names a place that some of
+//! vectors, `seen LEAST to MOST` for points that `view_target` sees at these depths, or `is` with
+//! the components of something fixed. `near` names a place that some of
 //! the inputs are drawn close to: a product and quotient of other arguments, host values and
 //! `sine(a, b)` of two unit vectors. `against` names an independent truth. Truth values need no range.
 
@@ -42,8 +43,14 @@ pub(super) struct Entry {
 
 #[derive(Debug, Clone)]
 pub(super) enum Written {
-    Numbers { least: f64, most: f64, scale: Scale },
+    Numbers {
+        least: f64,
+        most: f64,
+        scale: Scale,
+    },
     Unit,
+    /// Points that `view_target` sees between two depths.
+    Seen([f64; 2]),
     Fixed(Vec<f64>),
 }
 
@@ -165,6 +172,16 @@ impl Reader<'_> {
         let bad = |what: &str| self.wrong(text, format!("`{}`: {what}", text.trim()));
         let (path, range) = match words.as_slice() {
             [path, "unit"] => (path, Written::Unit),
+            [path, "seen", near, "to", far] => match (number(near), number(far)) {
+                (Some(near), Some(far)) if 0.0 < near && near < far => {
+                    (path, Written::Seen([near, far]))
+                }
+                _ => {
+                    return Err(bad(
+                        "`seen` wants two depths, of which the second is larger",
+                    ));
+                }
+            },
             [path, "is", values @ ..] if !values.is_empty() => {
                 let values: Option<Vec<f64>> = values.iter().map(|v| number(v)).collect();
                 let values = values.ok_or_else(|| bad("a value is no finite number"))?;

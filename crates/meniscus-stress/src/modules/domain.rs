@@ -31,7 +31,7 @@ impl Declared {
             paths: Vec::new(),
         };
         for (name, shape) in function.arguments() {
-            self.collect(name, shape, None, all, &mut collected)?;
+            self.collect(name, shape, None, (all, host), &mut collected)?;
         }
         for entry in &self.entries {
             let known = collected
@@ -77,7 +77,7 @@ impl Declared {
         path: &str,
         shape: &Shape,
         outer: Option<(&'a Declared, &str)>,
-        all: &'a [Declared],
+        (all, host): (&'a [Declared], &Host),
         into: &mut Collected<'a>,
     ) -> Result<(), Report> {
         let own = self
@@ -92,7 +92,7 @@ impl Declared {
             Some((entry, prefix))
         };
         if let Some((entry, prefix)) = own.or_else(inherited) {
-            return into.add(path, shape, entry, prefix);
+            return into.add(path, shape, entry, prefix, host);
         }
         match shape {
             Shape::Scalar(Kind::Bool) => {
@@ -104,7 +104,7 @@ impl Declared {
                 let declared = all.iter().find(|d| d.name == *name);
                 let outer = declared.map(|d| (d, path)).or(outer);
                 for (member, shape) in members {
-                    self.collect(&format!("{path}.{member}"), shape, outer, all, into)?;
+                    self.collect(&format!("{path}.{member}"), shape, outer, (all, host), into)?;
                 }
                 Ok(())
             }
@@ -125,6 +125,7 @@ impl<'a> Collected<'a> {
         shape: &Shape,
         entry: &'a Entry,
         prefix: &str,
+        host: &Host,
     ) -> Result<(), Report> {
         let wrong = |what: &str| -> Report {
             let message = format!("`{path}` is {shape}: {what}");
@@ -144,6 +145,14 @@ impl<'a> Collected<'a> {
                     count = if index == 0 { leaves.len() } else { 0 };
                     Range::Unit
                 }
+                Written::Seen(depths) if float && leaves.len() == 3 => {
+                    count = if index == 0 { leaves.len() } else { 0 };
+                    let Some(picture) = host.picture("view_target", *depths) else {
+                        return Err(wrong("the host says nothing of `view_target`"));
+                    };
+                    Range::Seen(picture)
+                }
+                Written::Seen(_) => return Err(wrong("only points can be seen")),
                 Written::Unit => return Err(wrong("only vectors of `f32` can be unit vectors")),
                 Written::Fixed(values) => match (values.len() == leaves.len(), float) {
                     (true, true) => Range::Linear(values[index] as f32, values[index] as f32),

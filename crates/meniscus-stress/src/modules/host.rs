@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use meniscus_source::{Diagnostic, Report};
 use naga::{ImageClass, Module, Scalar, ScalarKind, TypeInner};
 
-use crate::{Buffer, Kind, Resources, Sampler, Texture};
+use crate::{Buffer, Kind, Picture, Resources, Sampler, Texture};
 
 /// The largest number of elements of an array that is set by hand.
 const MOST_ELEMENTS: usize = 65_536;
@@ -136,6 +136,20 @@ impl Host {
             Some([number]) => Some(*number),
             _ => None,
         }
+    }
+
+    /// What a camera of this name sees between two depths; none where it is not known.
+    pub fn picture(&self, view: &str, depths: [f64; 2]) -> Option<Picture> {
+        let values = |member: &str| self.values.get(&format!("{view}.{member}"));
+        let vector = |member: &str| values(member)?.as_slice().try_into().ok();
+        let size: [f64; 2] = values("size")?.as_slice().try_into().ok()?;
+        let focal = self.number(&format!("{view}.focal"))?;
+        Some(Picture {
+            eye: vector("eye")?,
+            axes: [vector("right")?, vector("up")?, vector("forward")?],
+            half: size.map(|pixels| 0.5 * pixels / focal),
+            depths,
+        })
     }
 
     /// All paths that are set.

@@ -3,6 +3,7 @@
 use fastrand::Rng;
 
 use super::draw::{Leaf, normalise, nudged, step, unit};
+use super::picture::Picture;
 use crate::function::Function;
 use crate::shape::{Column, Kind, Lanes, Shape};
 use crate::ulp::{at_rank, rank};
@@ -29,6 +30,15 @@ pub enum Range {
     Whole(i64, i64),
     /// A vector of length 1, all directions equally likely; for a whole argument.
     Unit,
+    /// A point that a camera sees; for a whole argument of three numbers.
+    Seen(Picture),
+}
+
+impl Range {
+    /// Whether it is of several numbers together.
+    fn is_of_vectors(&self) -> bool {
+        matches!(self, Self::Unit | Self::Seen(_))
+    }
 }
 
 /// A place for one number of an input, from all of its numbers.
@@ -87,9 +97,9 @@ impl Domain {
     /// its numbers, and tells how many they are with the first, 0 with the others.
     pub(crate) fn of_leaves(numbers: &[(Kind, Range, usize)]) -> Option<Self> {
         let leaf = |(kind, range, count): &(Kind, Range, usize)| match range {
-            Range::Unit => Some(Leaf {
+            Range::Unit | Range::Seen(_) => Some(Leaf {
                 kind: *kind,
-                range: Range::Unit,
+                range: range.clone(),
                 count: *count,
             }),
             _ => leaves_of(&Shape::Scalar(*kind), range)?.pop(),
@@ -104,7 +114,7 @@ impl Domain {
     #[must_use]
     pub fn with(mut self, relation: Relation) -> Option<Self> {
         let leaf = self.leaves.get(relation.leaf)?;
-        if leaf.range == Range::Unit || leaf.kind != Kind::Float {
+        if leaf.range.is_of_vectors() || leaf.kind != Kind::Float {
             return None;
         }
         self.relations.push(relation);
@@ -125,7 +135,7 @@ impl Domain {
             | Range::Linear(low, high)
             | Range::Log(low, high)
             | Range::Coordinate(low, high, _) => Some((low, high)),
-            Range::Whole(..) | Range::Unit => None,
+            Range::Whole(..) | Range::Unit | Range::Seen(_) => None,
         }
     }
 
@@ -135,7 +145,7 @@ impl Domain {
             Range::Bits(low, high) | Range::Linear(low, high) | Range::Log(low, high) => {
                 low == high
             }
-            Range::Whole(..) | Range::Unit | Range::Coordinate(..) => false,
+            Range::Whole(..) | Range::Unit | Range::Seen(_) | Range::Coordinate(..) => false,
         };
         (0..self.leaves.len())
             .filter(move |&i| self.leaves[i].kind == Kind::Float && !fixed(&self.leaves[i].range))
@@ -157,8 +167,9 @@ impl Domain {
         let mut words = Vec::with_capacity(self.leaves.len());
         while words.len() < self.leaves.len() {
             let leaf = &self.leaves[words.len()];
-            match leaf.range {
+            match &leaf.range {
                 Range::Unit => words.extend(unit(leaf.count, rng)),
+                Range::Seen(picture) => words.extend(picture.draw(rng)),
                 _ => words.push(leaf.draw(rng)),
             }
         }
@@ -214,7 +225,11 @@ impl Domain {
                 }
             };
             if let Some((first, count)) = first {
-                normalise(&mut changed.0[first..first + count]);
+                let vector = &mut changed.0[first..first + count];
+                match &leaf.range {
+                    Range::Seen(picture) => picture.hold(vector),
+                    _ => normalise(vector),
+                }
             }
         }
         changed
@@ -234,7 +249,7 @@ impl Domain {
         let starts = (0..=at).rev().take(4);
         let holds = |&i: &usize| {
             let leaf = &self.leaves[i];
-            leaf.range == Range::Unit && leaf.count > at - i
+            leaf.range.is_of_vectors() && leaf.count > at - i
         };
         starts
             .into_iter()
@@ -250,7 +265,7 @@ impl Domain {
         let mut at = 0;
         while at < self.leaves.len() {
             choices.push(self.leaves[at].special());
-            at += if self.leaves[at].range == Range::Unit {
+            at += if self.leaves[at].range.is_of_vectors() {
                 self.leaves[at].count
             } else {
                 1
@@ -337,11 +352,12 @@ fn leaves_of(shape: &Shape, range: &Range) -> Option<Vec<Leaf>> {
             low <= high && kinds.iter().all(fits)
         }
         Range::Unit => matches!(shape, Shape::Vector { .. }) && all_are(Kind::Float),
+        Range::Seen(_) => matches!(shape, Shape::Vector { size: 3, .. }) && all_are(Kind::Float),
     };
     let leaf = |(i, kind): (usize, Kind)| {
         let count = match (i, range) {
-            (0, Range::Unit) => kinds.len(),
-            (_, Range::Unit) => 0,
+            (0, Range::Unit | Range::Seen(_)) => kinds.len(),
+            (_, Range::Unit | Range::Seen(_)) => 0,
             _ => 1,
         };
         Leaf {

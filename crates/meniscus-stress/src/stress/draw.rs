@@ -11,7 +11,7 @@ use crate::ulp::{at_rank, rank};
 pub(super) struct Leaf {
     pub(super) kind: Kind,
     pub(super) range: Range,
-    /// Numbers that are drawn together, told of the first: of a unit vector.
+    /// Numbers that are drawn together, told of the first: of a unit vector or a point.
     pub(super) count: usize,
 }
 
@@ -45,7 +45,7 @@ impl Leaf {
                 self.nearest((signed as f32).to_bits())
             }
             Range::Whole(low, high) => rng.i64(low..=high) as u32,
-            Range::Unit => rng.f32().to_bits(),
+            Range::Unit | Range::Seen(_) => rng.f32().to_bits(),
         }
     }
 
@@ -78,13 +78,14 @@ impl Leaf {
                 };
                 n.clamp(low, high) as u32
             }
-            Range::Unit => word,
+            Range::Unit | Range::Seen(_) => word,
         }
     }
 
     pub(super) fn special(&self) -> Vec<Vec<u32>> {
         let found: Vec<u32> = match self.range {
             Range::Unit => return axes(self.count),
+            Range::Seen(ref picture) => return picture.special(),
             Range::Whole(low, high) => {
                 let all = [low, low + 1, -1, 0, 1, high - 1, high];
                 all.iter()

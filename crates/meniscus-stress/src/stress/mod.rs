@@ -4,6 +4,7 @@ mod domain;
 mod draw;
 mod exhaust;
 mod nearby;
+mod picture;
 mod verdict;
 
 use std::time::{Duration, Instant};
@@ -13,6 +14,7 @@ use fastrand::Rng;
 pub use domain::{Domain, Input, Place, Range, Relation};
 pub use exhaust::Exhausted;
 pub use nearby::NEARBY;
+pub use picture::Picture;
 pub use verdict::{Elsewhere, Subject, Truth, Verdict};
 
 pub(crate) use draw::nudged;
