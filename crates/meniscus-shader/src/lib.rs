@@ -23,6 +23,7 @@ mod names;
 mod numbers;
 mod outline;
 mod predeclared;
+mod purity;
 mod shader;
 mod signature;
 mod template;
