@@ -14,12 +14,16 @@ override taps: i32 = 2;
 override enough_px: f32 = 0.01;
 
 fn intersect(ray: Ray, texel: vec2f) -> Hit {
-    var best = tap(ray, texel);
-    var last = best;
-    for (var i = 1; i < taps && best.residual > enough_px; i++) {
-        last = tap(ray, last.texel);
-        if last.residual < best.residual {
+    var best: Hit;
+    var place = texel;
+    for (var i = 0; i < taps; i++) {
+        let last = tap(ray, place);
+        place = last.texel;
+        if i == 0 || last.residual < best.residual {
             best = last;
+        }
+        if best.residual <= enough_px {
+            break;
         }
     }
     return best;

@@ -9,7 +9,7 @@
 // any bound.
 //
 // provides: intersect
-// needs: geometry/ray, geometry/hit, screen/residual
+// needs: geometry/ray, geometry/hit, screen/residual, screen/seen_point
 // slots: reproject, seen
 // number probes: 0 to 8, step 1
 // number first_probe: 0.001 to 100 m, step 0.01
@@ -23,13 +23,27 @@ override first_probe: f32 = 0.1;
 const FARTHEST = 1e5;
 
 fn intersect(ray: Ray, texel: vec2f) -> Hit {
-    var near = seen(texel);
+    var near: Seen;
+    var position = ray.origin;
+    var place = texel;
     var end = texel;
     var way = FARTHEST;
-    for (var i = 0; i <= probes && near.object < 0.0; i++) {
-        let place = reproject(ray.origin + way * ray.direction);
-        end = select(end, place, i == 0);
+    // The first look and the probes in one loop, since processors that run pixels side by side go
+    // through every loop for all of them.
+    for (var i = 0; i <= probes + 1; i++) {
         near = seen(place);
+        let shown = near.object >= 0.0;
+        let slope = dot(near.normal, ray.direction);
+        let offset = dot(near.normal, near.position - ray.origin);
+        // |slope| ≥ 1e-4 and one sign: the quotient is finite and positive.
+        let meets = slope * offset > 0.0 && abs(slope) > 1e-4;
+        let reach = select(way, offset / select(1.0, slope, meets), shown);
+        position = select(ray.origin + reach * ray.direction, near.position, shown && !meets);
+        place = reproject(position);
+        if shown || i > probes {
+            break;
+        }
+        end = select(end, place, i == 0);
         way = select(2.0 * way, first_probe, i == 0);
     }
     if near.object < 0.0 {
@@ -37,14 +51,6 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
         nothing.residual = select(UNKNOWN_RESIDUAL, 0.0, is_seen(end));
         return nothing;
     }
-    let slope = dot(near.normal, ray.direction);
-    let offset = dot(near.normal, near.position - ray.origin);
-    var position = near.position;
-    // |slope| ≥ 1e-4 and one sign: the quotient is finite and positive.
-    if slope * offset > 0.0 && abs(slope) > 1e-4 {
-        position = ray.origin + (offset / slope) * ray.direction;
-    }
-    let place = reproject(position);
     let there = seen(place);
     var residual = UNKNOWN_RESIDUAL;
     if there.object >= 0.0 && is_seen(place) {
