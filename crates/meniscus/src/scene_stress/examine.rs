@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::UVec2;
 use meniscus_gpu::{Frame, Gpu, GpuError, PipelineCache, SceneBuffers, Skipping};
-use meniscus_pipeline::{Facts, Format, Pipeline, Plan};
+use meniscus_pipeline::{Facts, Format, Pipeline, Plan, Pruning};
 use meniscus_scene::Scene;
 
 use super::Fault;
@@ -18,9 +18,12 @@ pub(crate) struct Examiner<'a> {
     pub gpu: &'a Gpu,
     pub pipelines: &'a [Pipeline],
     cache: PipelineCache,
-    /// By the pipeline's index, the facts, and whether it tells what is shown.
-    plans: BTreeMap<(usize, Facts, bool), Arc<Plan>>,
+    plans: BTreeMap<Kind, Arc<Plan>>,
 }
+
+/// What plans are told apart by: the pipeline's index, the facts, what is left out, and whether it
+/// tells what is shown.
+type Kind = (usize, Facts, Pruning, bool);
 
 /// What a plan's textures and buffers hold: numbers and bytes, by name.
 #[derive(Debug, Default, PartialEq)]
@@ -61,7 +64,7 @@ impl<'a> Examiner<'a> {
         ))
     }
 
-    /// Renders what is to be seen twice, and what is shown once.
+    /// Renders all of the plan twice, what is left when all is left out that may be, and what is shown.
     ///
     /// # Errors
     /// What does not hold: a number that is none, two frames that differ, a complaint of the driver.
@@ -74,7 +77,7 @@ impl<'a> Examiner<'a> {
     ) -> Result<Rendered, Fault> {
         let facts = facts_of(scene, size);
         let size = UVec2::from_array(size);
-        let plan = self.plan(pipeline, &facts, false)?;
+        let plan = self.plan((pipeline, facts, Pruning::None, false))?;
         let traces = plan
             .passes
             .iter()
@@ -84,11 +87,12 @@ impl<'a> Examiner<'a> {
         let first = held(&mut frame)?;
         let again = held(&mut frame)?;
         equal(&first, &again, "a second frame")?;
+        let plan = self.plan((pipeline, facts, Pruning::Exact, false))?;
         let mut other = self.frame(&plan, buffers, size, Skipping::ALL)?;
         other.render().map_err(broken)?;
         let whole = Held::default().with(&other, &plan.output)?;
         equal(&whole, &first, "a frame that saves what it can")?;
-        let plan = self.plan(pipeline, &facts, true)?;
+        let plan = self.plan((pipeline, facts, Pruning::Approximate, true))?;
         let Some(texture) = plan.shown.clone() else {
             return Ok(Rendered {
                 shown: Vec::new(),
@@ -116,15 +120,17 @@ impl<'a> Examiner<'a> {
             .map_err(refused_or_not)
     }
 
-    fn plan(&mut self, index: usize, facts: &Facts, shown: bool) -> Result<Arc<Plan>, Fault> {
-        let key = (index, facts.clone(), shown);
-        if !self.plans.contains_key(&key) {
-            let pipeline = &self.pipelines[index];
-            let plan = Plan::new(pipeline, &self.project.composer, facts, shown)
-                .map_err(|report| Fault::Refused(report.to_string()))?;
-            self.plans.insert(key.clone(), Arc::new(plan));
+    fn plan(&mut self, kind: Kind) -> Result<Arc<Plan>, Fault> {
+        if let Some(known) = self.plans.get(&kind) {
+            return Ok(known.clone());
         }
-        Ok(self.plans[&key].clone())
+        let (index, facts, pruning, shown) = &kind;
+        let pipeline = &self.pipelines[*index];
+        let plan = Plan::pruned(pipeline, &self.project.composer, facts, *pruning, *shown)
+            .map_err(|report| Fault::Refused(report.to_string()))?;
+        let plan = Arc::new(plan);
+        self.plans.insert(kind, plan.clone());
+        Ok(plan)
     }
 }
 

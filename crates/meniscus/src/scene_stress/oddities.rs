@@ -391,7 +391,10 @@ impl Oddity {
             let other = values[random.usize(0..values.len())];
             if random.u32(0..3) == 0 && value * other > 0.0 {
                 let part = random.f64();
-                value = value.signum() * value.abs().powf(part) * other.abs().powf(1.0 - part);
+                let between =
+                    value.signum() * value.abs().powf(part) * other.abs().powf(1.0 - part);
+                // Rounding is not to lead beyond what scene files may say.
+                value = between.clamp(value.min(other), value.max(other));
             }
             let family = KINDS[kind].family;
             if chosen.iter().all(|c| KINDS[c.kind].family != family) {
