@@ -47,7 +47,7 @@ pub use rivalry::{Rivalry, contests_markdown, contests_of, contests_text};
 pub use rounds::{Rounds, Until};
 pub use scene_stress::{Distance, SceneCheck, SceneFailure, SceneStress, StressedScenes, oddity_names};
 pub use solvers::{Solver, solvers};
-pub use stability::{StabilityData, solvers_figure, stability_page};
+pub use stability::{StabilityData, solvers_figures, stability_page};
 pub use sweep::{Axis, Partition, fingerprint, points};
 pub use warnings::gathered_warnings;
 

@@ -193,18 +193,16 @@ fn functions(
 }
 
 fn solvers(page: &mut String, data: &StabilityData) {
-    let mut domains: Vec<&str> = Vec::new();
-    for solver in &data.solvers {
-        if !domains.contains(&solver.domain.as_str()) {
-            domains.push(&solver.domain);
-        }
-    }
     *page += "\n## The solvers of the crossing\n\n\
         Each on every domain that one of them declares, against the independent truth; nanoseconds of \
         one evaluation with the evaluator on one core, and on the adapter with the copies of inputs \
-        and results, the fastest of several rounds in turn.\n\n![Time against error](stability/solvers.svg)\n";
-    for domain in domains {
-        let _ = writeln!(page, "\n`{domain}`\n");
+        and results, the fastest of several rounds in turn.\n";
+    for (index, domain) in domains(data).into_iter().enumerate() {
+        let number = index + 1;
+        let _ = writeln!(
+            page,
+            "\n`{domain}`\n\n![Time against error](stability/solvers-{number}.svg)\n"
+        );
         let mut rows = vec![
             [
                 "solver",
@@ -231,39 +229,45 @@ fn solvers(page: &mut String, data: &StabilityData) {
     }
 }
 
-/// Time against the worst error, for each solver on each domain; none without solvers.
+/// Time against error on each domain that solvers were tried on, in the order in which the page
+/// tells of them: the figures `solvers-1.svg` and so on beside its data.
 ///
 /// # Errors
 /// When a time or an error cannot be drawn.
-pub fn solvers_figure(data: &StabilityData) -> Result<Option<String>, MeasureError> {
-    if data.solvers.is_empty() {
-        return Ok(None);
-    }
+pub fn solvers_figures(data: &StabilityData) -> Result<Vec<String>, MeasureError> {
+    let figure = |domain: &str| {
+        let mut points = Vec::new();
+        for solver in data.solvers.iter().filter(|s| s.domain == domain) {
+            let leaf = solver.module.rsplit('/').next().unwrap_or(&solver.module);
+            let ns = solver.cpu_ns.max(1e-3);
+            for (which, error) in [("p99", solver.p99_ulp), ("max", solver.max_ulp)] {
+                points.push(FigurePoint {
+                    label: format!("{leaf}, {which}"),
+                    ms: ns,
+                    spread_ms: [ns, ns],
+                    // A drawing has no place for what is infinite.
+                    error: error.min(1e38),
+                });
+            }
+        }
+        let axes = [
+            "nanoseconds of an evaluation, on one core",
+            "error against the truth, ulp",
+        ];
+        plane_figure(domain, axes, &points)
+    };
+    domains(data).into_iter().map(figure).collect()
+}
+
+/// The domains that solvers were tried on.
+fn domains(data: &StabilityData) -> Vec<&str> {
     let mut domains: Vec<&str> = Vec::new();
-    let mut points = Vec::new();
     for solver in &data.solvers {
         if !domains.contains(&solver.domain.as_str()) {
             domains.push(&solver.domain);
         }
-        let domain = domains.iter().position(|d| *d == solver.domain);
-        let leaf = solver.module.rsplit('/').next().unwrap_or(&solver.module);
-        for (which, error) in [("p99", solver.p99_ulp), ("max", solver.max_ulp)] {
-            let ns = solver.cpu_ns.max(1e-3);
-            // A drawing has no place for what is infinite.
-            let error = error.min(1e38);
-            points.push(FigurePoint {
-                label: format!("{leaf}, {which}, domain {}", domain.unwrap_or(0) + 1),
-                ms: ns,
-                spread_ms: [ns, ns],
-                error,
-            });
-        }
     }
-    let axes = [
-        "nanoseconds of an evaluation, on one core",
-        "error against the truth, ulp",
-    ];
-    plane_figure("What fills the slot: time and error", axes, &points).map(Some)
+    domains
 }
 
 fn scenes(page: &mut String, data: &StabilityData) -> Result<(), MeasureError> {

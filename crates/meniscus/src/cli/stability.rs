@@ -7,7 +7,7 @@ use meniscus::gpu::{Gpu, GpuError};
 use meniscus::measure::write_atomically;
 use meniscus::source::SourceFile;
 use meniscus::stress::modules::Device;
-use meniscus::{FunctionsOnGpu, Project, StabilityData, solvers, solvers_figure, stability_page};
+use meniscus::{FunctionsOnGpu, Project, StabilityData, solvers, solvers_figures, stability_page};
 
 use super::arguments::Stress;
 use super::say::say;
@@ -61,8 +61,9 @@ pub(crate) fn run(project: &Project, stress: &Stress) -> Result<(), Failure> {
         let folder = page.with_extension("");
         let data = data(&folder)?;
         write_atomically(page, stability_page(project, &data)?.as_bytes())?;
-        if let Some(svg) = solvers_figure(&data)? {
-            write_atomically(&folder.join("solvers.svg"), svg.as_bytes())?;
+        for (index, svg) in solvers_figures(&data)?.iter().enumerate() {
+            let name = format!("solvers-{}.svg", index + 1);
+            write_atomically(&folder.join(name), svg.as_bytes())?;
         }
         say(&format!("{}\n", page.display()))?;
     }
