@@ -1,4 +1,4 @@
-//! How long composition takes, beside naga alone and naga_oil on the same parts.
+//! How long composition takes, beside naga alone, and naga_oil and wesl on the same parts.
 //!
 //! `cargo bench -p meniscus-shader --features compare --bench compose`
 
@@ -16,6 +16,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga_oil::compose::{
     ComposableModuleDescriptor, ImportDefinition, NagaModuleDescriptor, ShaderLanguage,
 };
+use wesl::{CompileOptions, EscapeMangler, ModulePath, VirtualResolver};
 
 type Sources = Vec<(String, Arc<SourceFile>)>;
 
@@ -184,6 +185,38 @@ fn oil(parts: &[(String, String, Vec<ImportDefinition>)]) {
     black_box(module);
 }
 
+/// The parts for wesl: the same with its own words for imports. It keeps the bindings.
+fn wesl_parts(parts: &[(String, String, Vec<ImportDefinition>)]) -> Vec<(ModulePath, String)> {
+    let part = |(path, text, imports): &(String, String, Vec<ImportDefinition>)| {
+        let mut made = String::new();
+        for ImportDefinition { import, items } in imports {
+            made.push_str(&format!(
+                "import package::{import}::{{{}}};\n",
+                items.join(", ")
+            ));
+        }
+        for line in text.lines().filter(|line| !line.starts_with('#')) {
+            made.push_str(line);
+            made.push('\n');
+        }
+        let path = format!("package::{path}").parse();
+        (path.expect("a path"), made)
+    };
+    parts.iter().map(part).collect()
+}
+
+fn wesl(parts: &[(ModulePath, String)]) -> naga::valid::ModuleInfo {
+    let mut resolver = VirtualResolver::new();
+    for (path, text) in parts {
+        resolver.add_module(path.clone(), text.as_str().into());
+    }
+    let (root, _) = parts.last().expect("a shader has parts");
+    let options = CompileOptions::default();
+    let compiled = wesl::compile(root, &resolver, &EscapeMangler, &options)
+        .unwrap_or_else(|error| panic!("{error}"));
+    flat(&compiled.to_string())
+}
+
 fn flat(text: &str) -> naga::valid::ModuleInfo {
     let module = naga::front::wgsl::parse_str(text).expect("the text parses");
     Validator::new(ValidationFlags::all(), Capabilities::empty())
@@ -208,14 +241,16 @@ fn benchmarks(criterion: &mut Criterion) {
     let composer = read();
     let text = shader.text.clone();
     // On a machine that does other things, too, only the least times of runs in turns compare.
-    let mut least = [Duration::MAX; 4];
+    let wesl_parts = wesl_parts(&parts);
+    let mut least = [Duration::MAX; 5];
     for _ in 0..100 {
         let fresh = read();
-        let runs: [&dyn Fn(); 4] = [
+        let runs: [&dyn Fn(); 5] = [
             &|| drop(black_box(flat(&text))),
             &|| drop(black_box(fresh.compose(&recipe))),
             &|| drop(black_box(read().compose(&recipe))),
             &|| oil(&parts),
+            &|| drop(black_box(wesl(&wesl_parts))),
         ];
         for (run, least) in runs.iter().zip(&mut least) {
             let start = Instant::now();
@@ -228,6 +263,7 @@ fn benchmarks(criterion: &mut Criterion) {
         "meniscus, modules read",
         "meniscus, with reading all modules",
         "naga_oil",
+        "wesl, and naga on what it writes",
     ];
     for (name, time) in names.iter().zip(least) {
         eprintln!(
@@ -254,6 +290,9 @@ fn benchmarks(criterion: &mut Criterion) {
     });
     criterion.bench_function("naga_oil: compose the same parts", |b| {
         b.iter(|| oil(&parts))
+    });
+    criterion.bench_function("wesl: compile the same parts, and naga alone", |b| {
+        b.iter(|| wesl(&wesl_parts))
     });
 }
 

@@ -66,11 +66,9 @@ impl Shader {
         numbers: &BTreeMap<String, f64>,
     ) -> Result<Vec<Exported>, Diagnostic> {
         // Live numbers are in a buffer, whatever the language.
-        let is_live = |name: &str| self.live.iter().any(|number| number.name == name);
-        let constants = numbers
-            .iter()
-            .filter(|(name, _)| !is_live(name))
-            .map(|(name, value)| (name.clone(), *value))
+        let constants = self
+            .constants(numbers)
+            .map(|(name, value)| (name.to_owned(), value))
             .collect();
         let cannot = |what: String| {
             Diagnostic::error(format!(

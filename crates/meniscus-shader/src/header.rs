@@ -7,7 +7,8 @@
 //! // needs: geometry/ray, screen/seen
 //! // slots: step: intersect, reproject
 //! // requires: reproject = screen/plain
-//! // number taps: 1 to 8, step 1, taps
+//! // number taps: 1 to 8 px, step 1
+//! // number tilt: 0 to 2 rad, live
 //! // domain: …
 //! // identity when not waves: within 0.1 px
 //! ```

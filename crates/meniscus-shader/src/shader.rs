@@ -45,6 +45,16 @@ impl Shader {
         found.or_else(|| live().map(|number| number.name.as_str()))
     }
 
+    /// Those of a pass's numbers that are `override`s: all but the live ones, by their names.
+    pub fn constants<'n>(
+        &'n self,
+        numbers: &'n BTreeMap<String, f64>,
+    ) -> impl Iterator<Item = (&'n str, f64)> {
+        let is_live = |name: &str| self.live.iter().any(|number| number.name == name);
+        let numbers = numbers.iter().map(|(name, value)| (name.as_str(), *value));
+        numbers.filter(move |(name, _)| !is_live(name))
+    }
+
     /// The content of the buffer of live numbers, little-endian; empty where there are none. Numbers
     /// have their defaults unless `value` knows them, by their [`LiveNumber::name`].
     pub fn live_bytes(&self, value: impl Fn(&str) -> Option<f64>) -> Vec<u8> {

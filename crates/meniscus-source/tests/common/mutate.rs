@@ -7,8 +7,6 @@ use std::time::{Duration, Instant};
 
 /// How many cases are run unless the environment says otherwise.
 const CASES: u64 = 100_000;
-/// No honest text of this size takes nearly as long; one that does hangs.
-const HANG: Duration = Duration::from_secs(20);
 /// The longest text that is tried, bytes.
 const LONGEST: usize = 1 << 15;
 
@@ -159,7 +157,7 @@ impl<'t> Mutator<'t> {
     /// Runs cases; `survive` must come back from every text, and gets the number of the case.
     ///
     /// # Panics
-    /// With the text, when it panics or takes far too long.
+    /// With the text, when it panics. How long the longest takes is printed.
     pub fn run(&self, share: u64, survive: impl Fn(u64, &str)) {
         let cases = std::env::var("MENISCUS_FUZZ").ok();
         let cases = cases.and_then(|n| n.parse().ok()).unwrap_or(CASES) / share;
@@ -174,7 +172,6 @@ impl<'t> Mutator<'t> {
             let outcome = catch_unwind(AssertUnwindSafe(|| survive(case, &text)));
             let took = began.elapsed();
             assert!(outcome.is_ok(), "case {case} panics:\n{text}");
-            assert!(took < HANG, "case {case} takes {took:?}:\n{text}");
             slowest = slowest.max((took, case));
         }
         let (longest, which) = slowest;
