@@ -39,21 +39,11 @@ fn nearest_triangle(ray: Ray) -> Nearest {
     let root = bvh_nodes[0];
     var first = root.first;
     var count = root.count;
-    for (var visit = 0; visit < MOST_NODES; visit++) {
-        var descends = false;
-        if count > 0u {
-            for (var i = 0u; i < MOST_IN_A_LEAF; i++) {
-                if i >= count {
-                    break;
-                }
-                let index = first + i;
-                let triangle = triangles[index];
-                let hit = triangle_hit(sheared, triangle.first, triangle.second, triangle.third);
-                if hit.found && hit.distance >= 0.0 && hit.distance < nearest.distance {
-                    nearest = Nearest(hit.distance, hit.weights, index);
-                }
-            }
-        } else {
+    var descends = true;
+    for (var visit = 0; visit < MOST_NODES && descends;) {
+        // Down to a leaf. Loops within the loop, since processors that run rays side by side go through
+        // what either a node or a leaf asks for with all of them.
+        for (; visit < MOST_NODES && count == 0u && descends; visit++) {
             let left = bvh_nodes[first];
             let right = bvh_nodes[first + 1u];
             let to_left = box_entry(ray.origin, inverse, left.low, left.high, nearest.distance);
@@ -69,16 +59,32 @@ fn nearest_triangle(ray: Ray) -> Nearest {
             first = select(left.first, right.first, swapped);
             count = select(left.count, right.count, swapped);
             descends = min(to_left, to_right) < 1e30;
+            // What waits on the stack may lie behind what has been met since.
+            for (var i = 0; i < STACK && !descends && top > 0; i++) {
+                top--;
+                descends = entries[top] <= nearest.distance;
+                first = stack[top] >> 3u;
+                count = stack[top] & 7u;
+            }
         }
-        // What waits on the stack may lie behind what has been met since.
+        for (var i = 0u; i < MOST_IN_A_LEAF; i++) {
+            if i >= count || !descends {
+                break;
+            }
+            let index = first + i;
+            let triangle = triangles[index];
+            let hit = triangle_hit(sheared, triangle.first, triangle.second, triangle.third);
+            if hit.found && hit.distance >= 0.0 && hit.distance < nearest.distance {
+                nearest = Nearest(hit.distance, hit.weights, index);
+            }
+        }
+        visit++;
+        descends = false;
         for (var i = 0; i < STACK && !descends && top > 0; i++) {
             top--;
             descends = entries[top] <= nearest.distance;
             first = stack[top] >> 3u;
             count = stack[top] & 7u;
-        }
-        if !descends {
-            break;
         }
     }
     return nearest;

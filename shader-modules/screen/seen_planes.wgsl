@@ -23,9 +23,13 @@ var seen_plane: texture_2d<u32>;
 fn seen(texel: vec2f) -> Seen {
     let last = vec2i(textureDimensions(seen_plane)) - 1;
     let middle = vec2i(floor(texel));
-    var plane = textureLoad(seen_plane, clamp(middle, vec2i(0), last), 0);
-    for (var i = 0; i < min(neighbours, NEIGHBOURS) && plane.w == 0u; i++) {
-        plane = textureLoad(seen_plane, clamp(middle + neighbour(i), vec2i(0), last), 0);
+    var plane = vec4u(0u);
+    for (var i = 0; i <= min(neighbours, NEIGHBOURS); i++) {
+        let step = select(neighbour(i - 1), vec2i(0), i == 0);
+        plane = textureLoad(seen_plane, clamp(middle + step, vec2i(0), last), 0);
+        if plane.w != 0u {
+            break;
+        }
     }
     var edge = false;
     for (var i = 0; i < 4; i++) {
