@@ -5,7 +5,7 @@ use meniscus_reference::{Tracer, Truth};
 use meniscus_scene::{Scene, View};
 
 use super::Fault;
-use super::examine::Rendered;
+use super::examine::{Rendered, has_sheet_in_water};
 use crate::{subject, truth};
 
 /// Nothing of a scene may lie further from the origin than what modules' domains reach, metres.
@@ -53,6 +53,7 @@ pub(crate) fn is_inside(scene: &Scene, size: [u32; 2]) -> bool {
     let shortest = shortest.fold(0.0, f64::max);
     let above = camera.eye.z - water.level;
     reach <= REACH
+        && !has_sheet_in_water(scene)
         && camera.eye.abs().max_element() <= REACH
         && above.abs() >= CLOSEST + 2.0 * water.height_bound()
         && water.rms_slope() <= STEEPEST
