@@ -7,6 +7,7 @@ use meniscus_shader::Filling;
 use meniscus_source::ron::Spanned;
 
 use crate::pipeline::{Pass, Pipeline};
+use crate::shortcut::Shortcut;
 
 /// How `b` differs from `a`: a sentence a line, in the order of passes, then resources; none when
 /// they do the same. Names and descriptions of the pipelines do not count.
@@ -60,6 +61,7 @@ pub fn diff(a: &Pipeline, b: &Pipeline) -> Vec<String> {
         &mut said,
     );
     entries("the list of", &named(&a.lists), &named(&b.lists), &mut said);
+    entries("the shortcut", &shortcuts(a), &shortcuts(b), &mut said);
     if a.output.value != b.output.value {
         said.push(format!(
             "`{}` comes out, not `{}`",
@@ -101,6 +103,32 @@ fn entries(
     }
 }
 
+/// What shortcuts stand for, and when, by their names.
+fn shortcuts(pipeline: &Pipeline) -> BTreeMap<String, String> {
+    let listed = |names: &[Spanned<String>]| -> String {
+        let names: Vec<String> = names.iter().map(|n| format!("`{}`", n.value)).collect();
+        names.join(", ")
+    };
+    let said = |(name, shortcut): (&String, &Shortcut)| {
+        let filled = shortcut.filled.iter();
+        let filled: Vec<String> = filled
+            .map(|(slot, module)| format!("`{}` is `{}`", slot.value, module.value))
+            .collect();
+        let mut said = format!("instead of {}", listed(&shortcut.instead_of));
+        if !shortcut.identity.is_empty() {
+            said.push_str(&format!(
+                " where {} change nothing",
+                listed(&shortcut.identity)
+            ));
+        }
+        if !filled.is_empty() {
+            said.push_str(&format!(" and {}", filled.join(" and ")));
+        }
+        (name.clone(), said)
+    };
+    pipeline.shortcuts.iter().map(said).collect()
+}
+
 fn passes(a: &Pass, b: &Pass, said: &mut Vec<String>) {
     let name = &b.name.value;
     let mut differs = |what: &str, old: String, new: String| {
@@ -120,6 +148,14 @@ fn passes(a: &Pass, b: &Pass, said: &mut Vec<String>) {
     };
     differs("the condition", rule(a), rule(b));
     differs("what it runs over", over(a), over(b));
+    let like = |pass: &Pass| match pass.like.is_empty() {
+        true => "nothing".to_owned(),
+        false => {
+            let names: Vec<String> = pass.like.iter().map(|n| format!("`{}`", n.value)).collect();
+            names.join(", ")
+        }
+    };
+    differs("what it is like", like(a), like(b));
     let (mut old, mut new) = (BTreeMap::new(), BTreeMap::new());
     fillings("", &a.slots, &mut old);
     fillings("", &b.slots, &mut new);

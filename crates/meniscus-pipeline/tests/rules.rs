@@ -435,3 +435,23 @@ fn every_rule_has_a_name_of_its_own_and_a_sentence() {
     assert_eq!(names.len(), Rule::ALL.len());
     assert!(Rule::ALL.iter().all(|rule| rule.says().contains(' ')));
 }
+
+#[test]
+fn shortcuts_that_differ_are_told_apart() {
+    let steps = format!("{NEAR}{FAR}{FETCH}{SHORT}");
+    let a = load(&text(&steps)).unwrap();
+    let without = load(&text(&format!("{NEAR}{FAR}{FETCH}"))).unwrap();
+    assert_eq!(
+        meniscus_pipeline::diff(&a, &without),
+        [
+            "the pass `straight` is left out",
+            "the shortcut `short` is gone"
+        ]
+    );
+    let other = load(&text(&steps.replace("[\"far\", \"fetch\"]", "[\"far\"]"))).unwrap();
+    assert_eq!(
+        meniscus_pipeline::diff(&a, &other),
+        ["the shortcut `short` is instead of `far` where `fetch.fetch` change nothing, not instead of `far`, `fetch` where `fetch.fetch` change nothing"]
+    );
+    assert!(meniscus_pipeline::diff(&a, &a).is_empty());
+}

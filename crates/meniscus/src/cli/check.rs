@@ -1,7 +1,7 @@
 //! `meniscus check`
 
 use meniscus::Project;
-use meniscus::pipeline::{Facts, Plan, check_facts};
+use meniscus::pipeline::{Facts, Plan, Pruning, check_facts};
 use meniscus::source::Diagnostic;
 
 use super::Failure;
@@ -20,9 +20,18 @@ pub(crate) fn check(project: &Project, check: &Check) -> Result<(), Failure> {
         match project.pipeline(name) {
             Err(wrong) => report.extend(wrong),
             Ok(pipeline) => {
-                for facts in Facts::all() {
+                // With shortcuts and without.
+                let prunings = match pipeline.shortcuts.is_empty() {
+                    true => &[Pruning::Exact][..],
+                    false => &[Pruning::Exact, Pruning::Approximate],
+                };
+                for (facts, pruning) in Facts::all()
+                    .into_iter()
+                    .flat_map(|facts| prunings.iter().map(move |pruning| (facts, *pruning)))
+                {
                     for shown in [false, true] {
-                        match Plan::new(&pipeline, &project.composer, &facts, shown) {
+                        let composer = &project.composer;
+                        match Plan::pruned(&pipeline, composer, &facts, pruning, shown) {
                             Ok(plan) => passes += plan.passes.len(),
                             Err(wrong) => {
                                 report.extend(wrong);
