@@ -30,7 +30,7 @@ fn march_to_waves(ray: Ray, side: f32, start: f32, steps: i32) -> WaveMarch {
     var t = start;
     var left = select(0, steps, closing > 0.0 && start <= limit);
     var found = false;
-    var shape = Shape(0.0, vec2f(0.0));
+    var shape = Shape(0.0, vec2f(0.0), vec3f(0.0));
     for (var i = 0; i < 256; i++) {
         if i >= left {
             break;

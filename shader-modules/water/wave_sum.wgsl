@@ -2,29 +2,17 @@
 // h = Σ A sin(k · x + φ), φ holding the time's part. Metres, radians.
 //
 // provides: surface
-// needs: water/shape, water/sine
+// needs: water/body, water/shape, water/wave
 // domain: surface(at -1e3 to 1e3 from 1e-6)
 
-struct Wave {
-    wave_vector: vec2f,
-    amplitude: f32,
-    phase: f32,
-}
-
-var<storage, read> waves: array<Wave>;
-
-// More terms than this are not looked at.
-const MOST_WAVES = 256u;
+// The terms that the block of the water has room for.
+const MOST_WAVES = 64u;
 
 fn surface(at: vec2f) -> Shape {
-    var shape = Shape(0.0, vec2f(0.0));
-    let count = min(arrayLength(&waves), MOST_WAVES);
+    var shape = Shape(0.0, vec2f(0.0), vec3f(0.0));
+    let count = min(water.wave_count, MOST_WAVES);
     for (var i = 0u; i < count; i++) {
-        let wave = waves[i];
-        let angle = dot(wave.wave_vector, at) + wave.phase;
-        let circle = wave.amplitude * cosine_and_sine(angle);
-        shape.height += circle.y;
-        shape.gradient += circle.x * wave.wave_vector;
+        shape = with_wave(shape, water.waves[i], at);
     }
     return shape;
 }

@@ -3,12 +3,14 @@
 use std::time::Instant;
 
 use glam::{Vec3, Vec3A};
-use meniscus_pipeline::host::BVH_DEPTH;
+use meniscus_pipeline::host::{BVH_DEPTH, WIDE_BVH_STACK};
 use meniscus_scene::Mesh;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::leaf_collapser::collapse;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+
+use crate::wide_bvh::{most_waiting, widened};
 
 /// Triangles of a leaf at most.
 const MOST_IN_A_LEAF: u32 = 4;
@@ -56,7 +58,7 @@ impl Bvh {
             .fold(Vec3A::ZERO, |s, b| s.max(b.min.abs()).max(b.max.abs()));
         let mut tree = None;
         if sides.max_element() < LARGEST_AREA_SIDE {
-            tree = Some(clustered(&boxes)).filter(|(nodes, _)| depth(nodes) <= BVH_DEPTH);
+            tree = Some(clustered(&boxes)).filter(|(nodes, _)| fits(nodes));
         }
         let (nodes, order) = tree.unwrap_or_else(|| halved(&boxes));
         Self {
@@ -107,6 +109,11 @@ fn clustered(boxes: &[Aabb]) -> (Vec<Node>, Vec<u32>) {
         }
     });
     (nodes.collect(), order)
+}
+
+/// Whether walks through the tree, as it is and widened, need no more room than shaders have.
+fn fits(nodes: &[Node]) -> bool {
+    depth(nodes) <= BVH_DEPTH && most_waiting(&widened(nodes)) <= WIDE_BVH_STACK
 }
 
 /// The most steps from the root to a leaf.
@@ -251,6 +258,8 @@ mod tests {
                 }
             }
             assert_eq!(visited, bvh.nodes.len());
+            assert!(most_waiting(&widened(&bvh.nodes)) <= WIDE_BVH_STACK);
+            crate::wide_bvh::tests::check(&bvh.nodes);
             assert!(found.iter().all(|&count| count == 1));
         }
     }

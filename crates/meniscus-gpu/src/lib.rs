@@ -47,6 +47,7 @@ mod steps;
 mod subdivide;
 mod timing;
 mod uses;
+mod wide_bvh;
 
 pub use adapter::{AdapterFacts, Gpu, adapters};
 pub use compute::{Compute, run_compute};

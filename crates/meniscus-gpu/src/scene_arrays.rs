@@ -13,6 +13,7 @@ use wgpu::util::DeviceExt;
 use crate::bvh::{Bvh, Node};
 use crate::distance_field::{self, DistanceField};
 use crate::layout::{self, Column};
+use crate::wide_bvh::{WideNode, widened};
 use crate::{Gpu, GpuError};
 
 /// The arrays of one scene.
@@ -41,6 +42,8 @@ struct Uploaded {
 #[derive(Debug)]
 struct Tracing {
     bvh: Bvh,
+    /// Made when a shader first reads it.
+    wide: OnceLock<Vec<WideNode>>,
     triangles: Vec<Triangle>,
 }
 
@@ -66,7 +69,7 @@ impl SceneArrays {
 
     /// Whether there is an array of this name.
     pub fn has(array: &str) -> bool {
-        matches!(array, "triangles" | "bvh_nodes") || is_of_distances(array)
+        matches!(array, "triangles" | "bvh_nodes" | "bvh_wide_nodes") || is_of_distances(array)
     }
 
     /// How long the tree took to build, milliseconds; none while nothing has asked for it.
@@ -229,18 +232,30 @@ impl Tracing {
                 count: 1,
             });
         }
-        Self { bvh, triangles }
+        Self {
+            bvh,
+            wide: OnceLock::new(),
+            triangles,
+        }
+    }
+
+    fn wide(&self) -> &[WideNode] {
+        self.wide.get_or_init(|| widened(&self.bvh.nodes))
     }
 
     fn length(&self, array: &str) -> usize {
         match array {
             "triangles" => self.triangles.len(),
+            "bvh_wide_nodes" => self.wide().len(),
             _ => self.bvh.nodes.len(),
         }
     }
 
     fn column(&self, array: &str, member: &str) -> Option<Column<'_>> {
         let (t, n) = (&self.triangles, &self.bvh.nodes);
+        if array == "bvh_wide_nodes" {
+            return self.wide_column(member);
+        }
         Some(match (array, member) {
             ("triangles", "first") => Column::vec3(|i| t[i].corners[0]),
             ("triangles", "second") => Column::vec3(|i| t[i].corners[1]),
@@ -253,6 +268,28 @@ impl Tracing {
             ("bvh_nodes", "high") => Column::vec3(|i| n[i].high),
             ("bvh_nodes", "first") => Column::u32(|i| n[i].first),
             ("bvh_nodes", "count") => Column::u32(|i| n[i].count),
+            _ => return None,
+        })
+    }
+}
+
+impl Tracing {
+    fn wide_column(&self, member: &str) -> Option<Column<'_>> {
+        let wide = self.wide();
+        let axis = ["x", "y", "z"].iter().position(|a| member.ends_with(a));
+        let child = ["first", "second", "third", "fourth"]
+            .iter()
+            .position(|c| *c == member);
+        Some(match (member, axis, child) {
+            ("low", ..) => Column::vec3(|i| wide[i].low),
+            ("step", ..) => Column::vec3(|i| wide[i].step),
+            ("low_x" | "low_y" | "low_z", Some(axis), _) => {
+                Column::u32(move |i| wide[i].lows[axis])
+            }
+            ("high_x" | "high_y" | "high_z", Some(axis), _) => {
+                Column::u32(move |i| wide[i].highs[axis])
+            }
+            (_, _, Some(child)) => Column::u32(move |i| wide[i].children[child]),
             _ => return None,
         })
     }

@@ -15,6 +15,10 @@ pub const KNOWN: &[(&str, &str)] = &[
         "displaced",
         "rays meet the waves themselves, not the rest plane",
     ),
+    (
+        "many_waves",
+        "the water has more waves than its uniform block holds",
+    ),
     ("camera_submerged", "the eye is under the water"),
     ("water_visible", "some pixel may show water"),
     ("dry_visible", "some pixel cannot show water"),
@@ -138,7 +142,8 @@ impl Facts {
     /// Every combination of facts on which shaders depend; with everything in view.
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
-        for water in [&[][..], &["waves"], &["waves", "displaced"]] {
+        let many = &["waves", "displaced", "many_waves"];
+        for water in [&[][..], &["waves"], &["waves", "displaced"], many] {
             for camera in [&[][..], &["camera_submerged"]] {
                 all.push(Self::new(water.iter().chain(camera).copied()));
             }
@@ -258,7 +263,7 @@ mod tests {
     #[test]
     fn every_fact_has_a_bit_of_its_own() {
         let all = KNOWN.iter().map(|(name, _)| bit(name));
-        assert_eq!(all.fold(0, |sum, bit| sum | bit).count_ones(), 8);
+        assert_eq!(all.fold(0, |sum, bit| sum | bit).count_ones(), 9);
         for names in [GENERAL, UNKNOWN] {
             assert_eq!(bits(names).count_ones() as usize, names.len());
         }

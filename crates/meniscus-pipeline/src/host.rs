@@ -70,16 +70,21 @@ pub const LIGHT: Members = &[
 /// writes outside its memory while it looks for uniforms to inline, and crashes.
 pub const BLOCKS: &[(&str, Members)] = &[("view_target", VIEW), ("water", WATER), ("light", LIGHT)];
 
-/// Arrays of [`ARRAYS`] that a block may hold as a member of the same name, with a length that the
-/// shader declares: the first so many elements, and zeros behind the last. Many drivers read uniform
-/// blocks faster than storage where all pixels read the same.
-pub const BLOCK_ARRAYS: &[(&str, &str)] = &[("water", "waves")];
+/// Arrays of [`ARRAYS`] that a block may hold as a member of the same name, with the number of
+/// elements that are to be declared: the first so many, and zeros behind the last. Drivers read
+/// uniform blocks faster than storage where all pixels read the same.
+pub const BLOCK_ARRAYS: &[(&str, &str, usize)] = &[("water", "waves", BLOCK_WAVES)];
 
-/// The members of an element of an array that a block may hold.
-pub fn block_array(block: &str, member: &str) -> Option<Members> {
-    let array = ARRAYS.iter().find(|(array, _)| *array == member);
-    let (_, members) = array.filter(|_| BLOCK_ARRAYS.contains(&(block, member)))?;
-    Some(members)
+/// How many waves the block `water` holds.
+pub const BLOCK_WAVES: usize = 64;
+
+/// The members of an element of an array that a block may hold, and how many it holds.
+pub fn block_array(block: &str, member: &str) -> Option<(Members, usize)> {
+    let (.., length) = BLOCK_ARRAYS
+        .iter()
+        .find(|a| (a.0, a.1) == (block, member))?;
+    let (_, members) = ARRAYS.iter().find(|(array, _)| *array == member)?;
+    Some((members, *length))
 }
 
 /// Read-only storage arrays by the variable's name, with the members of an element.
@@ -92,6 +97,11 @@ pub fn block_array(block: &str, member: &str) -> Option<Members> {
 /// `bvh_nodes`: boxes, the root first. With a `count` of 0, `first` is the first of two children,
 /// which stand side by side; else a leaf has so many triangles (1 to 4), from `first`. No leaf is
 /// deeper than [`BVH_DEPTH`] under the root.
+/// `bvh_wide_nodes`: the same tree with up to four children a node, the root first. `low` + `step` ·
+/// a byte is where a face of a child's box lies; `low_x` … `high_z` hold such a byte of each child,
+/// the first child's lowest. `first` … `fourth` name the children: 8 times a node of this array; or
+/// 8 times the first triangle, and how many it has (1 to 4); or 2³² − 1 where there is none. No walk
+/// has more than [`WIDE_BVH_STACK`] nodes to come back to.
 /// `distance_grids`: two, the first finer and about what the water covers, the second about
 /// everything; voxels stand at `low` + `voxel` · (x, y, z), `size` of them along the axes, from
 /// `first` in `distance_voxels` (metres to the nearest triangle, negative behind it) and
@@ -138,6 +148,23 @@ pub const ARRAYS: &[(&str, Members)] = &[
         ],
     ),
     (
+        "bvh_wide_nodes",
+        &[
+            ("low", ValueType::Vec3),
+            ("step", ValueType::Vec3),
+            ("low_x", ValueType::U32),
+            ("low_y", ValueType::U32),
+            ("low_z", ValueType::U32),
+            ("high_x", ValueType::U32),
+            ("high_y", ValueType::U32),
+            ("high_z", ValueType::U32),
+            ("first", ValueType::U32),
+            ("second", ValueType::U32),
+            ("third", ValueType::U32),
+            ("fourth", ValueType::U32),
+        ],
+    ),
+    (
         "distance_grids",
         &[
             ("low", ValueType::Vec3),
@@ -152,6 +179,9 @@ pub const ARRAYS: &[(&str, Members)] = &[
 
 /// The most steps from the root of `bvh_nodes` to a leaf: the entries that a stack must have.
 pub const BVH_DEPTH: usize = 32;
+
+/// The most nodes of `bvh_wide_nodes` that wait while a ray walks: the entries that a stack must have.
+pub const WIDE_BVH_STACK: usize = 48;
 
 /// Vertex attributes. `geometric_normal`, `object` and `material` belong to the triangle and are
 /// carried by its first vertex: `@interpolate(flat, first)`.

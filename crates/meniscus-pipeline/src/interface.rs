@@ -275,13 +275,23 @@ fn check_members(
     for member in declared {
         let name = member.name.as_deref().unwrap_or_default();
         let found = module.types[member.ty].inner.clone();
-        if let Some(elements) = host::block_array(resource, name) {
-            let TypeInner::Array { base, .. } = found else {
-                return Some(format!("the member `{name}` is an array of structs"));
-            };
-            match check_members(module, base, name, elements) {
-                Some(what) => return Some(format!("`{name}`: {what}")),
-                None => continue,
+        if let Some((elements, length)) = host::block_array(resource, name) {
+            match found {
+                TypeInner::Array {
+                    base,
+                    size: naga::ArraySize::Constant(declared),
+                    ..
+                } if declared.get() as usize == length => {
+                    match check_members(module, base, name, elements) {
+                        Some(what) => return Some(format!("`{name}`: {what}")),
+                        None => continue,
+                    }
+                }
+                _ => {
+                    return Some(format!(
+                        "the member `{name}` is an array of {length} structs"
+                    ));
+                }
             }
         }
         match members.iter().find(|(known, _)| *known == name) {

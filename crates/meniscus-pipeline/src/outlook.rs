@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3, UVec2};
 use meniscus_scene::{Camera, Scene, View, Water, WaterGeometry};
 
 use crate::facts::Facts;
+use crate::host::BLOCK_WAVES;
 
 /// How many times as wide and high as its frame a view may be: see `Size::Guarded`.
 const WIDEST: f64 = 1.5;
@@ -196,6 +197,7 @@ impl Outlook {
         let held = [
             ("waves", waves),
             ("displaced", displaced),
+            ("many_waves", water.waves.len() > BLOCK_WAVES),
             ("camera_submerged", submerged),
             ("water_visible", water_visible),
             ("dry_visible", rect != Some(Rect::all(size))),

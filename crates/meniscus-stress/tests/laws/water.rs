@@ -55,6 +55,15 @@ fn the_gradient_is_the_slope_of_the_height() {
         for lane in 0..LANES {
             let slope = (number(&after, 0, lane) - number(&before, 0, lane)) / (2.0 * step);
             assert!((slope - number(&here, 1 + axis, lane)).abs() < 2e-5);
+            // The second derivatives are xx, xy and yy.
+            for along in 0..2 {
+                let change = number(&after, 1 + along, lane) - number(&before, 1 + along, lane);
+                let bend = number(&here, 3 + axis + along, lane);
+                assert!(
+                    (change / (2.0 * step) - bend).abs() < 2e-5,
+                    "{change} {bend}"
+                );
+            }
         }
     }
 }
@@ -82,7 +91,9 @@ fn waves_stay_within_the_sum_of_their_amplitudes_and_are_where_they_should_be() 
 fn the_normal_is_unit_upwards_and_perpendicular_to_the_slope() {
     let lab = Lab::of("water/shape");
     let slopes = places(5.0);
-    let shape = structure(&[scalars::<f32>(&vec![0.3; LANES]), Lanes::vectors(&slopes)]);
+    let bend = Lanes::vectors(&vec![[0.0f32; 3]; LANES]);
+    let height = scalars::<f32>(&vec![0.3; LANES]);
+    let shape = structure(&[height, Lanes::vectors(&slopes), bend]);
     let found = lab.call("shape_normal", &[shape]);
     for (lane, [x, y]) in slopes.iter().enumerate() {
         let n = vec3(&found, 0, lane);
