@@ -9,7 +9,6 @@
 // number samples: 1 to 64, step 1
 // number samples_per_px: 0.1 to 4 1/px, step 0.1
 // number tolerance_px: 0 to 16 px, step 0.05
-// domain: occluded(texel 0 to 1e4)
 // domain: occluded(texel -100 to 1e4)
 
 override samples: i32 = 32;

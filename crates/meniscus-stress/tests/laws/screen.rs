@@ -368,3 +368,78 @@ fn what_is_shown_is_fetched_with_the_weights_of_the_colour() {
         }
     }
 }
+
+/// How many of many rays from the water to a level `end` are taken to be hidden where all that is
+/// seen lies at a level `seen`.
+fn hidden(seen: f32, end: f64) -> usize {
+    let mut lab = Lab::of("screen/hidden").water(1.333, true);
+    let [width, height] = [672_u32, 392];
+    let texels = vec![[seen, 0.0, 0.0, 0.0]; (width * height) as usize];
+    lab.host.texture("seen_height", [width, height], &texels);
+    let eye = DVec3::new(0.3, -4.0, 1.7);
+    let mut rng = rng();
+    let (mut origins, mut directions, mut ends, mut places) = (vec![], vec![], vec![], vec![]);
+    while origins.len() < LANES {
+        let centred = DVec2::new(600.0 * rng.f64() - 300.0, 300.0 * rng.f64() - 100.0) / 500.0;
+        let ray = DVec3::new(0.0, 0.8, -0.6) + DVec3::X * centred.x
+            - DVec3::new(0.0, 0.6, 0.8) * centred.y;
+        let ray = ray.normalize();
+        let origin = eye + ray * (eye.z / -ray.z);
+        // Any way down that refraction by waves could take.
+        let tilt = DVec2::new(rng.f64() - 0.5, rng.f64() - 0.5);
+        let direction = (ray.truncate() / 1.333 + 0.4 * tilt)
+            .extend(-0.8)
+            .normalize();
+        origins.push(origin);
+        directions.push(direction);
+        ends.push(origin + direction * (end / direction.z));
+        let centred = centred * DVec2::new(500.0, 500.0);
+        places.push([336.0 + centred.x as f32, 196.0 + centred.y as f32]);
+    }
+    let projected: Lanes<f32> = Lab::of("screen/through_flat_water")
+        .water(1.333, true)
+        .call("reproject", &[vectors(&ends)]);
+    let function = lab.specimen.function("occluded").expect("a function");
+    let (_, hit) = function.arguments().nth(1).expect("a hit");
+    let mut hits = Lanes::<f32>::zeros(hit, LANES);
+    for (leaf, (path, _)) in hit.leaves().iter().enumerate() {
+        let values: Option<Vec<f32>> = match path.as_str() {
+            ".texel.x" => Some(
+                (0..LANES)
+                    .map(|i| number(&projected, 0, i) as f32)
+                    .collect(),
+            ),
+            ".texel.y" => Some(
+                (0..LANES)
+                    .map(|i| number(&projected, 1, i) as f32)
+                    .collect(),
+            ),
+            ".position.x" => Some(ends.iter().map(|p| p.x as f32).collect()),
+            ".position.y" => Some(ends.iter().map(|p| p.y as f32).collect()),
+            ".position.z" => Some(ends.iter().map(|p| p.z as f32).collect()),
+            _ => None,
+        };
+        match (&mut hits.columns[leaf], values) {
+            (meniscus_stress::Column::Float(column), Some(values)) => *column = values,
+            (meniscus_stress::Column::Bool(found), _) => found.fill(true),
+            _ => {}
+        }
+    }
+    let rays = structure(&[vectors(&origins), vectors(&directions)]);
+    let found: Lanes<f32> = lab.call("occluded", &[rays, hits, Lanes::vectors(&places)]);
+    match &found.columns[0] {
+        meniscus_stress::Column::Bool(hidden) => hidden.iter().filter(|hidden| **hidden).count(),
+        _ => panic!("a truth value is expected"),
+    }
+}
+
+#[test]
+fn only_what_lies_deeper_than_all_that_is_seen_may_be_hidden() {
+    // The floor, on which the rays end; and where nothing was drawn.
+    assert_eq!(hidden(-2.0, -2.0), 0);
+    assert_eq!(hidden(0.0, -2.0), 0);
+    // What is deeper than the end of the way cannot stand before it.
+    assert_eq!(hidden(-3.0, -2.0), 0);
+    // Under a ceiling that is seen everywhere, every way passes, unless it is a pixel long.
+    assert!(hidden(-1.0, -2.0) > LANES * 9 / 10);
+}
