@@ -352,6 +352,8 @@ fn rivals_are_held_against_ours() {
                 "times",
                 "ours_px",
                 "rival_px",
+                "ours_wrong",
+                "rival_wrong",
                 "needs",
                 "dominates",
             ],

@@ -52,9 +52,9 @@ fn a_sweep_that_was_interrupted_goes_on_where_it_stopped() {
     let file = folder.path().join("sweep.json");
     let report = folder.path().join("report.html");
     sweep(&file, &["--report", report.to_str().unwrap()]).done();
-    // Time and error along either setting at each value of the other.
+    // Time, relative time and error along either setting at each value of the other.
     let page = std::fs::read_to_string(&report).unwrap();
-    assert_eq!(page.matches("<svg").count(), 2 * (2 + 2));
+    assert_eq!(page.matches("<svg").count(), 3 * (2 + 2));
     let whole = read(&file);
     assert_eq!(whole["points"].as_array().unwrap().len(), 4);
 

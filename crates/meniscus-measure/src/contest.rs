@@ -7,7 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::results::{Relative, Results, Row, finite};
-use crate::table::digits;
+use crate::table::{digits, percent};
 use crate::timing::{Timing, relative_time};
 use crate::{MeasureError, median};
 
@@ -79,6 +79,13 @@ pub struct Contest {
     /// The rival's, pixels.
     #[serde(serialize_with = "finite")]
     pub rival_px: f64,
+    /// The share of its pixels that show a wrong object, beside which its error is to be read: what
+    /// is missing altogether may lie on the ray of what is seen instead, 0 px away.
+    #[serde(serialize_with = "finite")]
+    pub ours_wrong: f64,
+    /// The rival's.
+    #[serde(serialize_with = "finite")]
+    pub rival_wrong: f64,
     /// How much of what is claimed is missing: up to 1 nothing; 1.3: 30 % too slow or too wrong.
     #[serde(serialize_with = "finite")]
     pub needs: f64,
@@ -88,6 +95,10 @@ pub struct Contest {
 
 fn error_px(row: &Row) -> Option<f64> {
     Some(row.error.as_ref()?.position_px.mean)
+}
+
+fn wrong_object(row: &Row) -> f64 {
+    row.error.as_ref().map_or(0.0, |error| error.wrong_object)
 }
 
 /// Median of the ratios of two rows' frames; none where they did not run the same rounds.
@@ -151,6 +162,8 @@ pub fn contests(
                 ours: row.pipeline.clone(),
                 ours_px,
                 rival_px,
+                ours_wrong: wrong_object(row),
+                rival_wrong: wrong_object(rival),
                 needs: needs(times.median),
                 dominates: Vec::new(),
                 times,
@@ -170,13 +183,15 @@ pub fn contests(
 
 impl Contest {
     /// Headings of [`Contest::cells`].
-    pub const HEADINGS: [&str; 7] = [
+    pub const HEADINGS: [&str; 9] = [
         "rival",
         "claim",
         "by",
         "times its time",
         "px mean",
         "its px mean",
+        "wrong",
+        "its wrong",
         "dominates",
     ];
 
@@ -199,6 +214,8 @@ impl Contest {
             format!("{:.2} [{:.2}, {:.2}]", times.median, times.low, times.high),
             digits(self.ours_px),
             digits(self.rival_px),
+            percent(self.ours_wrong),
+            percent(self.rival_wrong),
             dominates,
         ]
     }

@@ -9,7 +9,7 @@ use comfy_table::{CellAlignment, LineStyle, presets};
 use crate::MeasureError;
 use crate::results::{Results, Timer};
 use columns::{COLUMNS, COSTS, COSTS_NOTES, Column};
-pub(crate) use digits::digits;
+pub(crate) use digits::{digits, percent};
 
 /// The table that an ablation prints, one row per pipeline.
 ///

@@ -77,7 +77,7 @@ fn text(value: &Value) -> String {
         .map_or_else(|| value.to_string(), str::to_owned)
 }
 
-/// A figure of time and one of error for each swept setting and each choice of the others.
+/// Figures of time, of time relative to the baseline and of error for each swept setting and each choice of the others.
 fn curves(points: &[(SweepPoint, &Results)]) -> Result<Vec<String>, MeasureError> {
     let mut figures = Vec::new();
     let Some((first, _)) = points.first() else {
@@ -112,6 +112,18 @@ fn curves(points: &[(SweepPoint, &Results)]) -> Result<Vec<String>, MeasureError
                 Some(row.error.as_ref()?.position_px.mean).filter(|px| *px > 0.0)
             };
             figures.extend(figure(&along, "time per frame in ms", group, &time)?);
+            let relative = |results: &Results, name: &str| {
+                let row = results.rows.iter().find(|row| row.pipeline == name)?;
+                Some(row.relative.as_ref()?.median)
+            };
+            let to = group.iter().find_map(|(_, results)| {
+                let relative = results.rows.first()?.relative.as_ref()?;
+                Some(relative.to.as_str())
+            });
+            if let Some(to) = to {
+                let upwards = format!("time as a multiple of {to}'s");
+                figures.extend(figure(&along, &upwards, group, &relative)?);
+            }
             figures.extend(figure(
                 &along,
                 "mean position error, pixels",
