@@ -1,6 +1,6 @@
 //! From text to IR: parsing, bindings, pruning, validation.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use meniscus_source::{Diagnostic, Report};
 use naga::valid::{Capabilities, GlobalUse, ModuleInfo, ValidationFlags, Validator};
@@ -90,7 +90,7 @@ pub(crate) fn shader(mut written: Written, library: &Library) -> Result<Shader, 
     let live = live(&module, std::mem::take(&mut written.live));
     let text = written.source.text.as_str();
     let hash = blake3::hash(text.as_bytes()).to_hex().to_string();
-    let text = with_bindings(text, &written.variables, &bindings);
+    let text = as_it_runs(&written, &module, &bindings);
     Ok(Shader {
         module,
         info,
@@ -318,21 +318,36 @@ fn bindings(
     found
 }
 
-/// The text with the bindings that the IR has.
-fn with_bindings(text: &str, variables: &[(usize, String)], bindings: &[Binding]) -> String {
-    let numbers: BTreeMap<&str, u32> = bindings
-        .iter()
-        .map(|b| (b.variable.as_str(), b.index))
+/// The text with the bindings that the IR has, and without the functions and variables that it has
+/// not: what only looks as if it were used, as where a local variable has a function's name.
+fn as_it_runs(written: &Written, module: &naga::Module, bindings: &[Binding]) -> String {
+    let functions = module.functions.iter().map(|(_, f)| &f.name);
+    let variables = module.global_variables.iter().map(|(_, v)| &v.name);
+    let kept: BTreeSet<&str> = functions
+        .chain(variables)
+        .filter_map(|name| name.as_deref())
         .collect();
-    let mut bound = String::with_capacity(text.len() + 32 * bindings.len());
+    let unused = written.items.iter();
+    let unused = unused.filter(|(_, name)| !kept.contains(name.as_str()));
+    let number = |name: &str| {
+        let binding = bindings.iter().find(|b| b.variable == name)?;
+        Some(format!("@group(0) @binding({}) ", binding.index))
+    };
+    let bound = written.variables.iter();
+    let bound = bound.filter_map(|(start, name)| Some((*start..*start, number(name)?)));
+    let mut changes: Vec<_> = unused
+        .map(|(range, _)| (range.clone(), String::new()))
+        .chain(bound)
+        .collect();
+    changes.sort_by_key(|(range, _)| range.start);
+    let text = &written.source.text;
+    let mut made = String::with_capacity(text.len() + 32 * changes.len());
     let mut at = 0;
-    for (start, name) in variables {
-        if let Some(number) = numbers.get(name.as_str()) {
-            bound.push_str(&text[at..*start]);
-            bound.push_str(&format!("@group(0) @binding({number}) "));
-            at = *start;
-        }
+    for (range, new) in changes.iter().filter(|(range, _)| range.start < text.len()) {
+        made.push_str(&text[at..range.start]);
+        made.push_str(new);
+        at = range.end;
     }
-    bound.push_str(&text[at..]);
-    bound
+    made.push_str(&text[at..]);
+    made
 }

@@ -5,6 +5,7 @@ mod source;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
+use std::ops::Range;
 
 use meniscus_source::{Place, Report};
 use rustc_hash::FxHashSet as HashSet;
@@ -31,6 +32,8 @@ pub(crate) struct Written {
     pub chain: usize,
     /// Where each variable's declaration begins in the text, in order, and its name there.
     pub variables: Vec<(usize, String)>,
+    /// Where the functions and variables stand in the text, with the comments above them.
+    pub items: Vec<(Range<usize>, String)>,
     /// Where each variable is declared.
     pub declarations: BTreeMap<String, Place>,
     /// The `override` of each number, by the number's path.
@@ -117,6 +120,7 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
     let mut written = HashSet::default();
     let mut variable_starts = Vec::new();
     let mut live = Vec::new();
+    let mut items = Vec::new();
     let mut chain = 0;
     let mut report = Report::default();
     for (index, part) in all.iter().enumerate() {
@@ -147,11 +151,19 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
             if item.chain.0 > MAX_CHAIN {
                 report.add(too_long(instance.module, item));
             }
+            let before = source.text.len();
             let start = copy_item(&mut source, instance, item, &names[index]);
             if matches!(item.kind, ItemKind::Variable { .. }) {
                 variable_starts.push((start, names[index][item.name.as_str()].to_string()));
             }
             source.text.push_str("\n\n");
+            if matches!(
+                item.kind,
+                ItemKind::Function { .. } | ItemKind::Variable { .. }
+            ) {
+                let name = names[index][item.name.as_str()].to_string();
+                items.push((before..source.text.len(), name));
+            }
         }
     }
 
@@ -205,6 +217,7 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
         source,
         chain,
         variables: variable_starts,
+        items,
         resources,
         declarations,
         overrides,

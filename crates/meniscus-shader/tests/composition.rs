@@ -528,3 +528,30 @@ fn signatures_are_compared_by_what_their_types_are() {
         assert!(report.contains("has not the signature"), "{is}: {report}");
     }
 }
+
+#[test]
+fn what_only_looks_used_is_not_in_the_text() {
+    // A local variable is called like a slot's function, which reads a texture.
+    let slot = "// S.\n\nvar film: texture_2d<f32>;\n\n// What shows.\nfn shift(x: f32) -> f32 {\n    return textureLoad(film, vec2i(0), 0).x;\n}\n\nfn beside(x: f32) -> f32 {\n    return x;\n}\n";
+    let calling = "// P.\n//\n// provides: intersect\n// needs: geometry/ray\n// slots: shift\n\nfn intersect(ray: Ray) -> f32 {\n    let shift = ray.origin.x;\n    return beside(shift);\n}\n";
+    let composer = composer(&[("slots/shift", slot), ("geometry/calling", calling)]);
+    let shader = compose(
+        &composer,
+        &recipe(&[("intersect", plain("geometry/calling"))]),
+    );
+    assert!(shader.bindings.is_empty());
+    assert!(
+        !shader.text.contains("film") && !shader.text.contains("What shows."),
+        "{}",
+        shader.text
+    );
+    assert!(shader.text.contains("fn beside("));
+    // What is written out is valid by itself.
+    let parsed = naga::front::wgsl::parse_str(&shader.text).unwrap();
+    naga::valid::Validator::new(
+        naga::valid::ValidationFlags::all(),
+        naga::valid::Capabilities::empty(),
+    )
+    .validate(&parsed)
+    .unwrap();
+}

@@ -136,9 +136,15 @@ fn composing_ends() {
             match composer.compose(&recipe) {
                 // What comes out is what naga accepts, and says what runs.
                 Ok(shader) if case.is_multiple_of(16) => {
-                    naga::front::wgsl::parse_str(&shader.text).unwrap_or_else(|wrong| {
-                        panic!("{}\n{}", wrong.emit_to_string(&shader.text), shader.text)
-                    });
+                    let parsed =
+                        naga::front::wgsl::parse_str(&shader.text).unwrap_or_else(|wrong| {
+                            panic!("{}\n{}", wrong.emit_to_string(&shader.text), shader.text)
+                        });
+                    let everything = naga::valid::ValidationFlags::all();
+                    let plain = naga::valid::Capabilities::empty();
+                    naga::valid::Validator::new(everything, plain)
+                        .validate(&parsed)
+                        .unwrap_or_else(|wrong| panic!("{wrong:?}\n{}", shader.text));
                 }
                 Ok(_) => {}
                 Err(report) => told_well(&report, case.is_multiple_of(16)),
