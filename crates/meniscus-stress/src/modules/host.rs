@@ -224,7 +224,16 @@ impl Host {
         Ok(connected)
     }
 
-    /// A texture that was set, or a small one in which everything is defined.
+    /// Width and height of the textures that passes read, texels.
+    fn seen_size(&self) -> [u32; 2] {
+        let size = self.values.get("view_target.seen_size").map(Vec::as_slice);
+        match size {
+            Some(&[width, height]) => [width, height].map(|x| x.clamp(1.0, 4096.0) as u32),
+            _ => [16, 16],
+        }
+    }
+
+    /// A texture that was set, or one in which everything is defined.
     fn made_texture(
         &self,
         name: &str,
@@ -245,12 +254,12 @@ impl Host {
         if let Some((size, words)) = self.textures.get(name) {
             return Texture::from_words(kind, *size, &changed(kind, words, change));
         }
-        const SIZE: u32 = 16;
+        // As large as what a pass reads; the same small pattern over and over.
+        const PERIOD: u32 = 16;
+        let [width, height] = self.seen_size();
         let texel = |i: u32| {
-            let (x, y) = (
-                (i % SIZE) as f32 / SIZE as f32,
-                (i / SIZE) as f32 / SIZE as f32,
-            );
+            let part = |at: u32| (at % PERIOD) as f32 / PERIOD as f32;
+            let (x, y) = (part(i % width), part(i / width));
             match class {
                 // Between 0.25 m and half a metre beyond a near plane of 5 cm.
                 ImageClass::Depth { .. } => [0.1 + 0.1 * x * y, 0.0, 0.0, 1.0].map(f32::to_bits),
@@ -262,8 +271,8 @@ impl Host {
                 _ => [(1.0 + x).to_bits(), 0x1000_0800, 0x0800_1000, 1],
             }
         };
-        let texels: Vec<[u32; 4]> = (0..SIZE * SIZE).map(texel).collect();
-        Texture::from_words(kind, [SIZE, SIZE, 1], &changed(kind, &texels, change))
+        let texels: Vec<[u32; 4]> = (0..width * height).map(texel).collect();
+        Texture::from_words(kind, [width, height, 1], &changed(kind, &texels, change))
     }
 
     /// One more than the largest index that is set of an array.
