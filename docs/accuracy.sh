@@ -23,3 +23,12 @@ sweep flat-720 refraction/bounded flat pool,straddle,underwater,deep 0.1,0.19 12
 sweep steep refraction/bounded displaced pool,straddle,underwater 0.19,0.3,0.4,0.6 640x360
 sweep all-traced steps/all-listed displaced clutter,grazing 0,0.05,0.1,0.19 640x360
 sweep refined "refraction/paper refraction/refined" displaced pool 0.05,0.1,0.19 640x360
+
+# What each step brings: errors, and times as multiples of combined's (these do depend on load).
+${MENISCUS:-meniscus} ablate 'steps/*' refraction/combined refraction/refined refraction/bounded refraction/ray-traced \
+    --scene pool --set water.rms_slope=0.1 --truth displaced --baseline refraction/combined \
+    --json "$out/steps.json" >"$out/steps.log"
+echo
+echo "### steps: pool, slope 0.1, 640x360, displaced truth"
+echo
+python3 "$(dirname "$0")/accuracy.py" "$out/steps.json"
