@@ -1,101 +1,138 @@
-// What a ray meets first of all triangles of the scene: a walk through a tree of boxes, the nearer
-// child first. World space, metres. The stack is as deep as the host's trees may be. A walk of more
-// than 4,096 nodes (far beyond what a million triangles ask for) ends with the nearest triangle
-// found until then; a ray that is not finite meets nothing. For coordinates up to 1e6 m.
+// What a ray meets first of all triangles of the scene: a walk through a tree of boxes with up to
+// four children each, the nearest first. Boxes are kept in bytes: see Ylitie, Karras and Laine 2017,
+// "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs". World space, metres. The
+// stack is as deep as the host's trees may be. A walk of more than 4,096 nodes (far beyond what a
+// million triangles ask for) ends with the nearest triangle found until then; a ray that is not
+// finite meets nothing. For coordinates up to 1e6 m.
 //
 // provides: intersect
-// needs: geometry/box, geometry/hit, geometry/ray, geometry/triangle, geometry/triangles
+// needs: geometry/box, geometry/hit, geometry/nearest, geometry/ray, geometry/triangle
 // slots: reproject
 // domain: the triangles of a scene, coordinates to 1e6 m
 
-// With a `count` of 0, `first` is the first of two nodes; else the first of so many triangles.
-struct BvhNode {
+// `low` + `step` · byte is where a face of a child's box lies; of `low_x` … `high_z` the first child
+// has the lowest byte. A child is 8 times a node, or 8 times its first triangle and how many it has,
+// or NO_CHILD.
+struct WideBvhNode {
     low: vec3f,
     first: u32,
-    high: vec3f,
-    count: u32,
+    step: vec3f,
+    second: u32,
+    low_x: u32,
+    low_y: u32,
+    low_z: u32,
+    third: u32,
+    high_x: u32,
+    high_y: u32,
+    high_z: u32,
+    fourth: u32,
 }
 
-var<storage, read> bvh_nodes: array<BvhNode>;
+var<storage, read> bvh_wide_nodes: array<WideBvhNode>;
 
 const MOST_NODES = 4096;
-const STACK = 32;
-const MOST_IN_A_LEAF = 4u;
+const STACK = 48;
+const NO_CHILD = 0xffffffffu;
 
-struct Nearest {
+fn four_bytes(word: u32) -> vec4f {
+    return vec4f((vec4u(word) >> vec4u(0u, 8u, 16u, 24u)) & vec4u(255u));
+}
+
+// A child, and where the ray enters it.
+struct Entered {
+    child: u32,
     distance: f32,
-    weights: vec3f,
-    triangle: u32,
+}
+
+// Two of them, the nearer first.
+fn nearer_first(a: ptr<function, Entered>, b: ptr<function, Entered>) {
+    let swapped = (*b).distance < (*a).distance;
+    let first = *a;
+    let second = *b;
+    (*a).child = select(first.child, second.child, swapped);
+    (*a).distance = select(first.distance, second.distance, swapped);
+    (*b).child = select(second.child, first.child, swapped);
+    (*b).distance = select(second.distance, first.distance, swapped);
 }
 
 fn nearest_triangle(ray: Ray) -> Nearest {
     let sheared = sheared_ray(ray);
     let inverse = box_inverse(ray.direction);
+    let backwards = inverse < vec3f(0.0);
     var nearest = Nearest(1e30, vec3f(0.0), 0u);
-    // Nodes that are yet to be visited, 8 · first + count, and where the ray enters them.
+    // Nodes that are yet to be visited, and where the ray enters them.
     var stack: array<u32, STACK>;
     var entries: array<f32, STACK>;
     var top = 0;
-    let root = bvh_nodes[0];
-    var first = root.first;
-    var count = root.count;
-    var descends = true;
-    for (var visit = 0; visit < MOST_NODES && descends;) {
-        // Down to a leaf. Loops within the loop, since processors that run rays side by side go through
-        // what either a node or a leaf asks for with all of them.
-        for (; visit < MOST_NODES && count == 0u && descends; visit++) {
-            let left = bvh_nodes[first];
-            let right = bvh_nodes[first + 1u];
-            let to_left = box_entry(ray.origin, inverse, left.low, left.high, nearest.distance);
-            let to_right = box_entry(ray.origin, inverse, right.low, right.high, nearest.distance);
-            let swapped = to_right < to_left;
-            let far_entry = max(to_left, to_right);
-            if far_entry < 1e30 && top < STACK {
-                let far_first = select(right.first, left.first, swapped);
-                stack[top] = (far_first << 3u) | select(right.count, left.count, swapped);
-                entries[top] = far_entry;
+    var at = 0u;
+    var goes_on = true;
+    for (var visit = 0; visit < MOST_NODES && goes_on;) {
+        // Down to a leaf. A loop within the loop, since processors that run rays side by side go
+        // through what either a node or a leaf asks for with all of them.
+        for (; visit < MOST_NODES && goes_on && (at & 7u) == 0u; visit++) {
+            let node = bvh_wide_nodes[at >> 3u];
+            let base = (node.low - ray.origin) * inverse;
+            let scale = node.step * inverse;
+            let near_x = base.x + scale.x * four_bytes(select(node.low_x, node.high_x, backwards.x));
+            let near_y = base.y + scale.y * four_bytes(select(node.low_y, node.high_y, backwards.y));
+            let near_z = base.z + scale.z * four_bytes(select(node.low_z, node.high_z, backwards.z));
+            let far_x = base.x + scale.x * four_bytes(select(node.high_x, node.low_x, backwards.x));
+            let far_y = base.y + scale.y * four_bytes(select(node.high_y, node.low_y, backwards.y));
+            let far_z = base.z + scale.z * four_bytes(select(node.high_z, node.low_z, backwards.z));
+            let enters = max(max(near_x, near_y), max(near_z, vec4f(0.0)));
+            let leaves = min(min(far_x, far_y), min(far_z, vec4f(nearest.distance))) * 1.000001;
+            let children = vec4u(node.first, node.second, node.third, node.fourth);
+            let met = (enters <= leaves) & (children != vec4u(NO_CHILD));
+            let distances = select(vec4f(1e30), enters, met);
+            var a = Entered(children.x, distances.x);
+            var b = Entered(children.y, distances.y);
+            var c = Entered(children.z, distances.z);
+            var d = Entered(children.w, distances.w);
+            nearer_first(&a, &b);
+            nearer_first(&c, &d);
+            nearer_first(&a, &c);
+            nearer_first(&b, &d);
+            nearer_first(&b, &c);
+            if d.distance < 1e30 && top < STACK {
+                stack[top] = d.child;
+                entries[top] = d.distance;
                 top++;
             }
-            first = select(left.first, right.first, swapped);
-            count = select(left.count, right.count, swapped);
-            descends = min(to_left, to_right) < 1e30;
+            if c.distance < 1e30 && top < STACK {
+                stack[top] = c.child;
+                entries[top] = c.distance;
+                top++;
+            }
+            if b.distance < 1e30 && top < STACK {
+                stack[top] = b.child;
+                entries[top] = b.distance;
+                top++;
+            }
+            at = a.child;
+            goes_on = a.distance < 1e30;
             // What waits on the stack may lie behind what has been met since.
-            for (var i = 0; i < STACK && !descends && top > 0; i++) {
+            for (var i = 0; i < STACK && !goes_on && top > 0; i++) {
                 top--;
-                descends = entries[top] <= nearest.distance;
-                first = stack[top] >> 3u;
-                count = stack[top] & 7u;
+                goes_on = entries[top] <= nearest.distance;
+                at = stack[top];
             }
         }
-        for (var i = 0u; i < MOST_IN_A_LEAF; i++) {
-            if i >= count || !descends {
-                break;
-            }
-            let index = first + i;
-            let triangle = triangles[index];
-            let hit = triangle_hit(sheared, triangle.first, triangle.second, triangle.third);
-            if hit.found && hit.distance >= 0.0 && hit.distance < nearest.distance {
-                nearest = Nearest(hit.distance, hit.weights, index);
-            }
-        }
+        nearest = nearest_in_leaf(nearest, sheared, at >> 3u, select(0u, at & 7u, goes_on));
         visit++;
-        descends = false;
-        for (var i = 0; i < STACK && !descends && top > 0; i++) {
+        goes_on = false;
+        for (var i = 0; i < STACK && !goes_on && top > 0; i++) {
             top--;
-            descends = entries[top] <= nearest.distance;
-            first = stack[top] >> 3u;
-            count = stack[top] & 7u;
+            goes_on = entries[top] <= nearest.distance;
+            at = stack[top];
         }
     }
     return nearest;
 }
 
 fn intersect(ray: Ray, texel: vec2f) -> Hit {
-    let nearest = nearest_triangle(ray);
-    if !(nearest.distance < 1e30) {
-        return no_hit(ray, texel);
+    var hit = nearest_hit(nearest_triangle(ray), ray, texel);
+    if hit.found {
+        hit.texel = reproject(hit.position);
     }
-    var hit = triangle_surface(ray, nearest.triangle, nearest.weights, texel);
-    hit.texel = reproject(hit.position);
     return hit;
 }

@@ -44,7 +44,7 @@ pub(crate) struct Rendered {
 }
 
 /// Buffer that whoever traces the scene's triangles reads.
-const TRACED: &str = "bvh_nodes";
+const TRACED: &str = "triangles";
 
 impl<'a> Examiner<'a> {
     pub fn new(project: &'a Project, gpu: &'a Gpu, pipelines: &'a [Pipeline]) -> Self {
