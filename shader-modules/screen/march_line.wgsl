@@ -4,7 +4,7 @@
 // are straight on the screen.
 //
 // needs: geometry/ray, geometry/hit, screen/drawn, screen/seen_view, screen/target
-// domain: march_of(ray.origin seen 0.1 to 1e4, reach 0.1 to 1000)
+// domain: rays from points that the picture shows
 
 // From 0 (the ray's origin) to 1.
 struct March {
