@@ -199,6 +199,27 @@ impl Said<'_> {
                 dropped: unused(kept),
             });
         }
+        // Draws without a depth texture have one of their own.
+        let declared = &self.pipeline.textures;
+        let own: BTreeMap<_, _> = self
+            .whole
+            .textures
+            .iter()
+            .chain(&self.plan.textures)
+            .collect();
+        for (name, texture) in own
+            .into_iter()
+            .filter(|(name, _)| !declared.contains_key(*name))
+        {
+            let kept = self.plan.textures.contains_key(name);
+            said.push(ResourceSaid {
+                name: name.clone(),
+                kept,
+                what: texture.to_string(),
+                bytes: self.bytes(*texture),
+                dropped: unused(kept),
+            });
+        }
         for (name, buffer) in &self.pipeline.buffers {
             let kept = self.plan.buffers.contains_key(name);
             said.push(ResourceSaid {

@@ -166,7 +166,7 @@ fn drawn(by: &[String], not_by: &[String]) -> String {
     };
     match not_by.is_empty() {
         true => by,
-        false => format!("{by}, and not by {}", not_by.join(", ")),
+        false => format!("{by}; left out: {}", not_by.join(", ")),
     }
 }
 
