@@ -2,7 +2,8 @@
 
 use crate::queries::Queries;
 use crate::record::Instrument;
-use crate::steps::{Draw, Work};
+use crate::steps::{Draw, Step, Work};
+use crate::tiles::Tiles;
 use crate::{Frame, GpuError};
 
 /// Counts of one frame. Invocations are none where the adapter cannot count them.
@@ -94,6 +95,11 @@ impl Frame {
                 pass.fragment_invocations = Some(numbers[1]);
                 pass.compute_invocations = Some(numbers[2]);
             }
+            // Tiles are listed outside of what is asked; each thread is known.
+            for (pass, step) in passes.iter_mut().zip(steps) {
+                let threads = step.tiles().map_or(0, Tiles::threads);
+                pass.compute_invocations = pass.compute_invocations.map(|n| n + threads);
+            }
         }
         let drawing = |work: &Work| match work {
             Work::Render { draw, .. } => draw.count(),
@@ -103,14 +109,22 @@ impl Frame {
         Ok(Counters {
             triangles: passes.iter().map(|p| p.triangles).sum(),
             draws: steps.iter().map(|s| drawing(&s.work)).sum(),
-            dispatches: steps.iter().filter(|s| s.is_compute()).count() as u64,
+            dispatches: steps
+                .iter()
+                .map(|s| u64::from(s.is_compute()) + s.tiles().map_or(0, |_| Tiles::DISPATCHES))
+                .sum(),
             vertex_invocations: total(|p| p.vertex_invocations),
             fragment_invocations: total(|p| p.fragment_invocations),
             compute_invocations: total(|p| p.compute_invocations),
             texture_bytes: self.resources().texture_bytes(),
             texture_sum_bytes: self.resources().texture_sum_bytes(),
             texture_peak_bytes: self.resources().texture_peak_bytes(),
-            buffer_bytes: self.resources().buffer_bytes(),
+            buffer_bytes: self.resources().buffer_bytes()
+                + steps
+                    .iter()
+                    .filter_map(Step::tiles)
+                    .map(Tiles::bytes)
+                    .sum::<u64>(),
             scene_bytes: self.scene().bytes(),
             uploaded_bytes: self.uploaded_last(),
             passes,

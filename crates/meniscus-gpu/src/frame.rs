@@ -18,6 +18,7 @@ use crate::resources::{Resources, check_size};
 use crate::reuse::Reuse;
 use crate::scene_buffers::SceneBuffers;
 use crate::steps::{self, Step};
+use crate::tiles::TilePipelines;
 use crate::timing::{self, FrameTiming, Stamps};
 use crate::{Gpu, GpuError, PipelineCache, live, uses};
 
@@ -32,6 +33,7 @@ pub struct Frame {
     size: UVec2,
     parts: Parts,
     skipping: Skipping,
+    tiles: Arc<TilePipelines>,
     stopwatch: Option<Stopwatch>,
     uploaded: u64,
     uploaded_last: u64,
@@ -71,8 +73,8 @@ impl Frame {
         for pass in &plan.passes {
             steps::check(plan, pass)?;
             let formats = steps::colour_formats(plan, pass)?;
-            let tested = skipping.regions && uses::front_depth(plan, pass).is_some();
-            pipelines.push(cache.get(gpu, pass, &formats, tested)?);
+            let tiled = skipping.regions && uses::front_depth(plan, pass).is_some();
+            pipelines.push(cache.get(gpu, pass, &formats, tiled)?);
         }
         let host = scene.host.clone();
         let parts = Parts::new(&Making {
@@ -83,6 +85,7 @@ impl Frame {
             host: &host,
             size,
             skipping,
+            tiles: &cache.tiles,
         })?;
         let stopwatch = stopwatch(gpu, &parts.steps)?;
         Ok(Self {
@@ -94,6 +97,7 @@ impl Frame {
             size,
             parts,
             skipping,
+            tiles: cache.tiles.clone(),
             stopwatch,
             uploaded: 0,
             uploaded_last: 0,
@@ -133,6 +137,7 @@ impl Frame {
             host: &host,
             size: self.size,
             skipping: self.skipping,
+            tiles: &self.tiles,
         };
         self.uploaded_last = 0;
         match written {
@@ -315,7 +320,7 @@ fn stopwatch(gpu: &Gpu, steps: &[Step]) -> Result<Option<Stopwatch>, GpuError> {
         return Ok(None);
     }
     let queries = Queries::new(gpu, wgpu::QueryType::Timestamp, 2 * steps.len() as u32, 1)?;
-    if !gpu.is_software() || !steps.iter().any(Step::is_compute) {
+    if !gpu.is_software() || !steps.iter().any(Step::has_compute) {
         return Ok(Some(Stopwatch {
             queries,
             pixel: None,

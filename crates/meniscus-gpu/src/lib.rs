@@ -8,6 +8,11 @@
 //! cut at the rest plane and divided on the CPU, for each camera and picture size once, until no
 //! edge is off by more than [`BOW_PX`]; [`SceneBuffers::far_side`] tells what that took.
 //!
+//! A frame does no more than its plan and its scene ask for: textures that are never needed at once
+//! share memory, and passes over the water touch the pixels that may show it ([`Skipping`]).
+//! [`Frame::render`] runs every pass, which is what is timed; [`Frame::refresh`] runs those alone of
+//! which an input has changed since the last frame, and none where nothing has.
+//!
 //! Nothing here panics on what a plan, shader or scene holds: every creation and submission stands
 //! inside error scopes, and [`GpuError`] says what was being done.
 
@@ -45,6 +50,7 @@ mod sharing;
 mod sight;
 mod steps;
 mod subdivide;
+mod tiles;
 mod timing;
 mod uses;
 mod wide_bvh;

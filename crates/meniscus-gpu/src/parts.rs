@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use glam::UVec2;
 use meniscus_pipeline::{PassKind, Plan};
-use wgpu::util::DeviceExt;
 
 use crate::bindings::Binder;
 use crate::host_buffers::HostBuffers;
@@ -17,8 +16,9 @@ use crate::reuse::Reuse;
 use crate::scene_buffers::SceneBuffers;
 use crate::sight::Sight;
 use crate::steps::{self, Draw, Step, Work};
+use crate::tiles::TilePipelines;
 use crate::uses::{Use, Uses};
-use crate::{Gpu, GpuError, record, uses};
+use crate::{Gpu, GpuError, record};
 
 /// What a frame may leave out without changing a bit of what comes out of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,6 +53,7 @@ pub(crate) struct Making<'a> {
     pub host: &'a HostScene,
     pub size: UVec2,
     pub skipping: Skipping,
+    pub tiles: &'a TilePipelines,
 }
 
 /// What depends on the views and on the side of the water that the eye is on.
@@ -64,8 +65,6 @@ pub(crate) struct Parts {
     pub steps: Vec<Step>,
     pub reuse: Reuse,
     region: Region,
-    /// The corners of the region's plane, where some pass is tested against it.
-    corners: Option<wgpu::Buffer>,
 }
 
 impl Parts {
@@ -90,11 +89,6 @@ impl Parts {
         };
         let uses = Uses::new(plan);
         let region = making.region();
-        let is_tested = |pass| uses::front_depth(plan, pass).is_some();
-        let corners = match making.skipping.regions && plan.passes.iter().any(is_tested) {
-            true => Some(corners(gpu, &region)?),
-            false => None,
-        };
         let builder = steps::Builder {
             gpu,
             plan,
@@ -104,7 +98,7 @@ impl Parts {
             scene,
             sight: host.sight(&views),
             region: &region,
-            corners: corners.as_ref(),
+            tiles: making.tiles(),
         };
         let (steps, never_written) = builder.steps(&mut binder)?;
         let (host_buffers, live) = (binder.host, binder.live);
@@ -123,7 +117,6 @@ impl Parts {
             steps,
             reuse,
             region,
-            corners,
         })
     }
 
@@ -139,6 +132,10 @@ impl Parts {
 }
 
 impl Making<'_> {
+    fn tiles(&self) -> Option<&TilePipelines> {
+        self.skipping.regions.then_some(self.tiles)
+    }
+
     fn region(&self) -> Region {
         match self.skipping.regions {
             true => Region::new(self.host, self.size),
@@ -182,39 +179,26 @@ impl Parts {
             scene: making.scene,
             sight: making.host.sight(&self.resources.views),
             region: &region,
-            corners: self.corners.as_ref(),
+            tiles: making.tiles(),
         };
-        let moved = region.plane != self.region.plane;
+        let mut written = 0;
         let passes = making.plan.passes.iter().zip(&mut self.steps);
         for (index, (pass, step)) in passes.enumerate() {
-            let tested = moved && uses::front_depth(making.plan, pass).is_some();
-            if builder.confine(pass, step)? || tested {
+            let mut changed = builder.confine(pass, step)?;
+            if let Work::Render {
+                tiles: Some(tiles), ..
+            } = &mut step.work
+            {
+                written += tiles.update(making.gpu, &region)?;
+                changed = true;
+            }
+            if changed {
                 self.reuse.touch(index);
             }
-        }
-        let mut written = 0;
-        if let Some(corners) = self.corners.as_ref().filter(|_| moved) {
-            let bytes: &[u8] = bytemuck::cast_slice(&region.plane);
-            let queue = making.gpu.queue();
-            making
-                .gpu
-                .attempt("writing a plane", || queue.write_buffer(corners, 0, bytes))?;
-            written = bytes.len() as u64;
         }
         self.region = region;
         Ok(written)
     }
-}
-
-fn corners(gpu: &Gpu, region: &Region) -> Result<wgpu::Buffer, GpuError> {
-    let descriptor = wgpu::util::BufferInitDescriptor {
-        label: Some("the plane over the water"),
-        contents: bytemuck::cast_slice(&region.plane),
-        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
-    };
-    gpu.create("the plane over the water", || {
-        gpu.device().create_buffer_init(&descriptor)
-    })
 }
 
 /// What can be reused, by the memory that textures lie in.

@@ -8,7 +8,8 @@ use meniscus_pipeline::PlannedPass;
 use meniscus_shader::{Binding, BindingKind, Entry, Sample, Shader};
 
 use crate::geometry::Vertex;
-use crate::{Gpu, GpuError, formats};
+use crate::tiles::TilePipelines;
+use crate::{Gpu, GpuError, formats, tiles};
 
 /// Shader modules by content, and pipelines by content, numbers and formats. It belongs to the
 /// [`Gpu`] that first used it.
@@ -16,14 +17,9 @@ use crate::{Gpu, GpuError, formats};
 pub struct PipelineCache {
     modules: Mutex<HashMap<String, wgpu::ShaderModule>>,
     pipelines: Mutex<HashMap<Key, Arc<Pipeline>>>,
-    given: OnceLock<wgpu::ShaderModule>,
+    tiled: OnceLock<wgpu::ShaderModule>,
+    pub(crate) tiles: Arc<TilePipelines>,
 }
-
-/// The vertex stage of passes whose triangle is given.
-const GIVEN_TRIANGLE: &str = "
-@vertex fn corner(@location(0) clip: vec4f) -> @builtin(position) vec4f {
-    return clip;
-}";
 
 /// What a pipeline depends on.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -33,8 +29,8 @@ struct Key {
     numbers: Vec<(String, u64)>,
     formats: Vec<wgpu::TextureFormat>,
     depth: bool,
-    /// Drawn as a triangle that is given, tested against depths.
-    tested: bool,
+    /// Drawn as tiles.
+    tiled: bool,
 }
 
 /// A pipeline and the layout of its only bind group.
@@ -66,14 +62,14 @@ impl PipelineCache {
         (modules, pipelines)
     }
 
-    /// The pipeline of a pass that writes targets of these formats. One that is `tested` draws a
-    /// triangle whose clip-space corners it is given, where that is not behind a depth buffer.
+    /// The pipeline of a pass that writes targets of these formats. One that is `tiled` draws tiles
+    /// in place of the triangle over everything.
     pub(crate) fn get(
         &self,
         gpu: &Gpu,
         pass: &PlannedPass,
         formats: &[wgpu::TextureFormat],
-        tested: bool,
+        tiled: bool,
     ) -> Result<Arc<Pipeline>, GpuError> {
         let key = Key {
             hash: pass.shader.hash.clone(),
@@ -82,7 +78,7 @@ impl PipelineCache {
                 .collect(),
             formats: formats.to_vec(),
             depth: pass.depth.is_some(),
-            tested,
+            tiled,
         };
         let known = self
             .pipelines
@@ -96,11 +92,11 @@ impl PipelineCache {
         // Made without holding the lock, so that passes can be compiled side by side; of two that
         // are the same, the first to be done stays.
         let module = self.module(gpu, pass)?;
-        let given = match tested {
-            true => Some(self.given_triangle(gpu)?),
+        let tiles = match tiled {
+            true => Some(self.tile_vertices(gpu)?),
             false => None,
         };
-        let pipeline = Arc::new(make(gpu, pass, &module, formats, given.as_ref())?);
+        let pipeline = Arc::new(make(gpu, pass, &module, formats, tiles.as_ref())?);
         let mut pipelines = self
             .pipelines
             .lock()
@@ -108,17 +104,17 @@ impl PipelineCache {
         Ok(pipelines.entry(key).or_insert(pipeline).clone())
     }
 
-    fn given_triangle(&self, gpu: &Gpu) -> Result<wgpu::ShaderModule, GpuError> {
-        if let Some(known) = self.given.get() {
+    fn tile_vertices(&self, gpu: &Gpu) -> Result<wgpu::ShaderModule, GpuError> {
+        if let Some(known) = self.tiled.get() {
             return Ok(known.clone());
         }
-        let module = gpu.create("the shader of a given triangle", || {
-            let source = wgpu::ShaderSource::Wgsl(Cow::Borrowed(GIVEN_TRIANGLE));
-            let label = Some("a given triangle");
+        let module = gpu.create("the vertex shader of tiles", || {
+            let source = wgpu::ShaderSource::Wgsl(Cow::Borrowed(tiles::VERTEX));
+            let label = Some("the vertices of tiles");
             gpu.device()
                 .create_shader_module(wgpu::ShaderModuleDescriptor { label, source })
         })?;
-        Ok(self.given.get_or_init(|| module).clone())
+        Ok(self.tiled.get_or_init(|| module).clone())
     }
 
     fn module(&self, gpu: &Gpu, pass: &PlannedPass) -> Result<wgpu::ShaderModule, GpuError> {
@@ -141,7 +137,10 @@ impl PipelineCache {
 /// The numbers that a pipeline is made with: all but the live ones, which stand in a buffer.
 fn constants(pass: &PlannedPass) -> impl Iterator<Item = (&str, f64)> {
     let is_live = |name: &str| pass.shader.live.iter().any(|number| number.name == name);
-    let numbers = pass.numbers.iter().map(|(name, value)| (name.as_str(), *value));
+    let numbers = pass
+        .numbers
+        .iter()
+        .map(|(name, value)| (name.as_str(), *value));
     numbers.filter(move |(name, _)| !is_live(name))
 }
 
@@ -164,7 +163,7 @@ fn make(
     pass: &PlannedPass,
     module: &wgpu::ShaderModule,
     formats: &[wgpu::TextureFormat],
-    given: Option<&wgpu::ShaderModule>,
+    tiles: Option<&wgpu::ShaderModule>,
 ) -> Result<Pipeline, GpuError> {
     let device = gpu.device();
     let label = Some(pass.name.as_str());
@@ -199,35 +198,24 @@ fn make(
                 step_mode: wgpu::VertexStepMode::Vertex,
                 attributes: &attributes,
             };
-            let corner = wgpu::VertexBufferLayout {
+            let tile = wgpu::VertexBufferLayout {
                 array_stride: 16,
-                step_mode: wgpu::VertexStepMode::Vertex,
+                step_mode: wgpu::VertexStepMode::Instance,
                 attributes: &wgpu::vertex_attr_array![0 => Float32x4],
             };
-            let buffers = match given {
-                Some(_) => vec![Some(corner)],
+            let buffers = match tiles {
+                Some(_) => vec![Some(tile)],
                 None if attributes.is_empty() => vec![],
                 None => vec![Some(buffer)],
-            };
-            // Reversed depth: near/z, 0 at infinity.
-            let depth = wgpu::DepthStencilState {
-                format: wgpu::TextureFormat::Depth32Float,
-                depth_write_enabled: Some(given.is_none()),
-                depth_compare: Some(match given {
-                    Some(_) => wgpu::CompareFunction::GreaterEqual,
-                    None => wgpu::CompareFunction::Greater,
-                }),
-                stencil: wgpu::StencilState::default(),
-                bias: wgpu::DepthBiasState::default(),
             };
             let targets: Vec<_> = formats.iter().map(|&format| Some(format.into())).collect();
             let descriptor = wgpu::RenderPipelineDescriptor {
                 label,
                 layout: Some(&pipeline_layout),
                 vertex: wgpu::VertexState {
-                    module: given.unwrap_or(module),
-                    entry_point: Some(given.map_or(vertex, |_| "corner")),
-                    compilation_options: match given {
+                    module: tiles.unwrap_or(module),
+                    entry_point: Some(tiles.map_or(vertex.as_str(), |_| tiles::VERTEX_ENTRY)),
+                    compilation_options: match tiles {
                         Some(_) => Default::default(),
                         None => options.clone(),
                     },
@@ -239,7 +227,14 @@ fn make(
                     compilation_options: options,
                     targets: &targets,
                 }),
-                depth_stencil: (pass.depth.is_some() || given.is_some()).then_some(depth),
+                // Reversed depth: near/z, 0 at infinity.
+                depth_stencil: pass.depth.is_some().then(|| wgpu::DepthStencilState {
+                    format: wgpu::TextureFormat::Depth32Float,
+                    depth_write_enabled: Some(true),
+                    depth_compare: Some(wgpu::CompareFunction::Greater),
+                    stencil: wgpu::StencilState::default(),
+                    bias: wgpu::DepthBiasState::default(),
+                }),
                 primitive: wgpu::PrimitiveState::default(),
                 multisample: wgpu::MultisampleState::default(),
                 multiview_mask: None,

@@ -93,7 +93,7 @@ pub(crate) fn step(
     };
     let pixel = watch
         .and_then(|w| w.pixel.as_ref())
-        .filter(|_| step.is_compute());
+        .filter(|_| step.has_compute());
     let queries = watch.map(|watch| &watch.queries.set);
     if let (Some(pixel), Some(queries)) = (pixel, queries) {
         mark(encoder, pixel, queries, begin);
@@ -107,6 +107,9 @@ pub(crate) fn step(
         stamps.map(|queries| (queries, begin)),
     );
     let own_begin = step.clears.is_empty().then_some(begin);
+    if let Some(tiles) = step.tiles() {
+        tiles.classify(encoder);
+    }
     let statistics = match instrument {
         Instrument::Statistics(queries) => Some((queries, index as u32)),
         _ => None,
@@ -116,7 +119,7 @@ pub(crate) fn step(
             Work::Render {
                 colours,
                 depth,
-                tested,
+                tiles,
                 draw,
             },
             Stages::Render(pipeline),
@@ -125,15 +128,7 @@ pub(crate) fn step(
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some(&step.name),
                 color_attachments: &colours,
-                depth_stencil_attachment: match (depth, tested) {
-                    (Some(depth), _) => Some(depth_attachment(depth)),
-                    (None, Some(tested)) => Some(wgpu::RenderPassDepthStencilAttachment {
-                        view: &tested.view,
-                        depth_ops: None,
-                        stencil_ops: None,
-                    }),
-                    (None, None) => None,
-                },
+                depth_stencil_attachment: depth.as_ref().map(depth_attachment),
                 timestamp_writes: stamps.map(|query_set| wgpu::RenderPassTimestampWrites {
                     query_set,
                     beginning_of_pass_write_index: own_begin,
@@ -153,13 +148,13 @@ pub(crate) fn step(
                     pass.draw_indexed(range.clone(), 0, 0..1);
                 }
                 Draw::Screen(rects) => {
-                    if let Some(tested) = tested {
-                        pass.set_vertex_buffer(0, tested.corners.slice(..));
-                    }
                     for rect in rects {
                         let size = rect.high - rect.low;
                         pass.set_scissor_rect(rect.low.x, rect.low.y, size.x, size.y);
-                        pass.draw(0..3, 0..1);
+                        match tiles {
+                            Some(tiles) => tiles.draw(&mut pass),
+                            None => pass.draw(0..3, 0..1),
+                        }
                     }
                 }
                 Draw::Nothing => {}

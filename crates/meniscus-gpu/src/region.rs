@@ -1,12 +1,10 @@
-//! Which part of the picture a pass over the water has to touch: a rectangle, and within it what the
-//! water may show through the things that stand before it.
+//! Which part of the picture a pass over the water has to touch: a rectangle, and the depth at which
+//! the water begins in it.
 //!
-//! The second is left to the adapter's depth test, which rejects whole tiles at once. A pass over
-//! the water is drawn as the plane that bounds the waves on the eye's side, against the depths of
-//! what stands before the water. No wave is nearer than that plane, so that what it leaves out the
-//! shader would have left as it was.
+//! What stands before the plane that bounds the waves on the eye's side stands before the water: there
+//! a pass over the water would leave the picture as it is.
 
-use glam::{DVec2, UVec2};
+use glam::UVec2;
 use meniscus_pipeline::{Covers, Rect};
 use meniscus_scene::{View, Water, WaterGeometry};
 
@@ -15,7 +13,7 @@ use crate::host_scene::HostScene;
 /// Rays and depths are rounded to single precision: by this part the plane is drawn nearer …
 const NEARER: f64 = 1e-3;
 /// … and by as much as it comes nearer in so many rows of pixels …
-const ROWS: f64 = 4.0;
+const ROWS: f64 = 0.05;
 /// … and by what a depth between −1 and 1, as some interfaces keep it, is rounded to.
 const ROUNDED: f64 = 2e-7;
 
@@ -25,13 +23,13 @@ const HEIGHT_ROUNDED: f64 = 1e-5;
 /// Where passes over the water, and those over the rest, have to run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Region {
-    size: UVec2,
+    pub size: UVec2,
     /// Whether passes over the water, and those over the rest, run everywhere.
     everywhere: bool,
     water: Option<Rect>,
-    /// Clip-space corners of a triangle that covers the picture, at the depth of the plane that
-    /// bounds the waves; where there is none before the eye, nearer than everything.
-    pub plane: [[f32; 4]; 3],
+    /// The reversed depth, at a pixel (x, y), of the plane that bounds the waves: the product with
+    /// (x, y, 1). Where there is none before the eye, it is nearer than everything.
+    pub plane: [f32; 3],
 }
 
 impl Region {
@@ -52,7 +50,7 @@ impl Region {
             size,
             everywhere: true,
             water: None,
-            plane: corners([1.0; 3]),
+            plane: NEAREST,
         }
     }
 
@@ -87,16 +85,13 @@ impl Region {
     }
 }
 
-/// The triangle's corners at three reversed depths.
-fn corners(depths: [f64; 3]) -> [[f32; 4]; 3] {
-    let at = [[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]];
-    std::array::from_fn(|i| [at[i][0], at[i][1], depths[i] as f32, 1.0])
-}
+/// No depth is nearer.
+const NEAREST: [f32; 3] = [0.0, 0.0, 2.0];
 
 /// The reversed depth of a plane is linear in the picture: near / distance, and the distance along
 /// `forward` at which a pixel's ray meets it is h f / fall, where the ray falls by `fall` while it
 /// runs f forwards.
-fn plane(view: &View, water: &Water) -> [[f32; 4]; 3] {
+fn plane(view: &View, water: &Water) -> [f32; 3] {
     let reach = match water.geometry {
         WaterGeometry::Flat => 0.0,
         WaterGeometry::Displaced => water.height_bound(),
@@ -107,34 +102,22 @@ fn plane(view: &View, water: &Water) -> [[f32; 4]; 3] {
     let rounded = HEIGHT_ROUNDED * (1.0 + level.abs() + view.eye.z.abs());
     let height = above.abs() - reach - rounded;
     let size = view.size.as_dvec2();
-    let fall = |pixel: DVec2| {
-        let centred = pixel - 0.5 * size;
-        let rise = view.forward.z * view.focal + view.right.z * centred.x - view.up.z * centred.y;
-        -side * rise
-    };
+    // How much a pixel's ray falls, by its column, by its row, and at the picture's corner.
+    let along = [-side * view.right.z, side * view.up.z];
+    let corner =
+        -side * view.forward.z * view.focal - 0.5 * (along[0] * size.x + along[1] * size.y);
     let scale = view.near / (height * view.focal);
-    let steep = view.up.z.abs() + view.right.z.abs();
-    let depth = |pixel: DVec2| {
-        let deeper = (1.0 + NEARER) * fall(pixel) + ROWS * steep;
-        scale * deeper + ROUNDED
-    };
-    let seen = [
-        DVec2::ZERO,
-        DVec2::new(size.x, 0.0),
-        size,
-        DVec2::new(0.0, size.y),
+    let steep = along[0].abs() + along[1].abs();
+    let nearer = (1.0 + NEARER) * scale;
+    let plane = [
+        nearer * along[0],
+        nearer * along[1],
+        nearer * corner + scale * ROWS * steep + ROUNDED,
     ];
-    // What is nearer than the near plane would be cut off; and amid the waves there is no plane.
-    let fits = |pixel: DVec2| depth(pixel) <= 1.0;
-    if height > 0.0 && scale.is_finite() && seen.into_iter().all(fits) {
-        let far = [
-            DVec2::new(0.0, size.y),
-            DVec2::new(2.0 * size.x, size.y),
-            DVec2::new(0.0, -size.y),
-        ];
-        corners(far.map(depth))
-    } else {
-        corners([1.0; 3])
+    // Amid the waves there is no plane.
+    match height > 0.0 && plane.iter().all(|part| part.is_finite()) {
+        true => plane.map(|part| part as f32),
+        false => NEAREST,
     }
 }
 
@@ -184,16 +167,15 @@ mod tests {
         }
     }
 
-    /// The plane's depth at a pixel, as the adapter interpolates it.
+    /// The plane's depth at a pixel, in single precision.
     fn depth(region: &Region, pixel: UVec2) -> f64 {
-        let at = (pixel.as_dvec2() + 0.5) / SIZE.as_dvec2();
-        let [a, b, c] = region.plane.map(|corner| f64::from(corner[2]));
-        let (right, up) = (at.x, 1.0 - at.y);
-        a + 0.5 * (right * (b - a) + up * (c - a))
+        let at = pixel.as_vec2() + 0.5;
+        let [x, y, rest] = region.plane;
+        f64::from(x * at.x + y * at.y + rest)
     }
 
     #[test]
-    fn no_water_is_nearer_than_the_plane_and_beside_the_horizon_it_is_not_far_off() {
+    fn no_water_is_nearer_than_the_plane_and_is_not_far_before_it() {
         let mut close = 0;
         for scene in scenes() {
             let (water, view) = (&scene.water, scene.camera.view(SIZE));
@@ -215,9 +197,9 @@ mod tests {
                 assert!(rects.iter().any(|rect| holds(rect, pixel)), "{pixel}");
                 let water_depth = view.near / (first * way.dot(view.forward));
                 let plane = depth(&region, pixel);
-                // Nothing that is drawn has a depth beyond 1.
-                let enough = plane > water_depth.min(0.999_999);
-                assert!(enough, "{pixel}: {plane} {water_depth}");
+                // No depth is beyond 1.
+                let least = water_depth.min(1.0);
+                assert!(plane > least, "{pixel}: {plane} {water_depth}");
                 close += usize::from(plane < 1.2 * water_depth);
             }
         }

@@ -15,6 +15,7 @@ use crate::region::Region;
 use crate::resources::{Resources, Target};
 use crate::scene_buffers::{GeometryBuffers, SceneBuffers};
 use crate::sight::Sight;
+use crate::tiles::{TilePipelines, Tiles};
 use crate::uses::{Uses, reads, writes};
 use crate::{Gpu, GpuError, formats, uses};
 
@@ -39,18 +40,11 @@ pub(crate) enum Work {
     Render {
         colours: Vec<Attachment>,
         depth: Option<Attachment>,
-        /// What stands before the water, and the plane that is tested against it.
-        tested: Option<Tested>,
+        /// The tiles that are drawn in place of a triangle over everything.
+        tiles: Option<Box<Tiles>>,
         draw: Draw,
     },
     Compute(Workgroups),
-}
-
-/// Depths that are tested against and stay as they are, and the corners of the triangle tested.
-#[derive(Debug)]
-pub(crate) struct Tested {
-    pub view: wgpu::TextureView,
-    pub corners: wgpu::Buffer,
 }
 
 /// A texture that is rendered to.
@@ -121,8 +115,8 @@ pub(crate) struct Builder<'a> {
     pub scene: &'a SceneBuffers,
     pub sight: Sight,
     pub region: &'a Region,
-    /// The corners of `region.plane`; none where nothing is tested against it.
-    pub corners: Option<&'a wgpu::Buffer>,
+    /// What tiles are listed with; none where none are drawn.
+    pub tiles: Option<&'a TilePipelines>,
 }
 
 impl Builder<'_> {
@@ -207,17 +201,18 @@ impl Builder<'_> {
             PassKind::Draw(geometry) => Draw::scene(self.gpu, self.scene, *geometry, &self.sight)?,
             _ => Draw::Screen(self.rects(pass)?),
         };
-        let tested = match (self.corners, uses::front_depth(self.plan, pass)) {
-            (Some(corners), Some(name)) => Some(Tested {
-                view: self.texture(pass, name)?.view.clone(),
-                corners: corners.clone(),
-            }),
+        let tiles = match (self.tiles, uses::front_depth(self.plan, pass)) {
+            (Some(pipelines), Some(name)) => {
+                let front = &self.texture(pass, name)?.view;
+                let tiles = Tiles::new(self.gpu, pipelines, front, self.region)?;
+                Some(Box::new(tiles))
+            }
             _ => None,
         };
         Ok(Work::Render {
             colours,
             depth,
-            tested,
+            tiles,
             draw,
         })
     }
@@ -427,6 +422,19 @@ impl Builder<'_> {
 }
 
 impl Step {
+    /// The tiles that it draws.
+    pub fn tiles(&self) -> Option<&Tiles> {
+        match &self.work {
+            Work::Render { tiles, .. } => tiles.as_deref(),
+            Work::Compute(_) => None,
+        }
+    }
+
+    /// Whether a compute pass is part of it.
+    pub fn has_compute(&self) -> bool {
+        self.is_compute() || self.tiles().is_some()
+    }
+
     /// Whether it is recorded as a compute pass.
     pub fn is_compute(&self) -> bool {
         matches!(self.pipeline.stages, Stages::Compute(_))

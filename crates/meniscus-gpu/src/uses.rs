@@ -50,8 +50,8 @@ pub(crate) fn writes(pass: &PlannedPass) -> BTreeSet<&str> {
 /// By this name a pass over the water reads the depths of what stands before it.
 const FRONT_DEPTH: &str = "front_depth";
 
-/// The texture against which a pass over the water can be tested: the depths of what stands before
-/// the water, if the pass reads them and draws pixels alone.
+/// The depths of what stands before the water, if a pass over the water reads them and can be drawn
+/// as tiles.
 pub(crate) fn front_depth<'a>(plan: &Plan, pass: &'a PlannedPass) -> Option<&'a str> {
     let of_screen = pass.kind == PassKind::Screen && pass.covers == Covers::Water;
     if !of_screen || pass.view_target != Size::Frame || pass.depth.is_some() {
@@ -62,7 +62,7 @@ pub(crate) fn front_depth<'a>(plan: &Plan, pass: &'a PlannedPass) -> Option<&'a 
     let name = texture_name(pass, pass.shader.bindings.iter().find(front)?);
     let texture = plan.textures.get(name)?;
     let fits = texture.size == Size::Frame && texture.format == Format::Depth32Float;
-    // A triangle of ours can stand for the shader's own only where nothing else is handed on.
+    // Tiles can stand for the shader's own triangle only where nothing else is handed on.
     let handed_on = |argument: &naga::FunctionArgument| {
         !matches!(argument.binding, Some(naga::Binding::BuiltIn(_)))
     };
