@@ -36,6 +36,11 @@ done
 # The paper's experiment: triangles and waves.
 run triangles ablate --preset liu2020 --size "$size" --rounds "$rounds"
 
+# The curve of time relative to none.
+run curve ablate refraction/none refraction/combined refraction/screen-space refraction/ray-traced \
+    --preset liu2020 --sweep pool.triangles=16k,64k,256k,1M --set water.rms_slope=0.05 \
+    --size "$size" --rounds "$rounds"
+
 # How the errors order on flat and on wavy water.
 # shellcheck disable=SC2086
 run slopes ablate $names --size 640x360 --rounds 3 --sweep scene=pool,clutter \
