@@ -333,6 +333,22 @@ fn counted_moments_begin_with_the_scene_s_own() {
 }
 
 #[test]
+fn moments_and_rivals_that_mean_nothing_are_refused() {
+    let said = |more: &str| {
+        let line = format!("ablate refraction/none refraction/broad --size 16x9 {more}");
+        meniscus(words(&line))
+    };
+    said("--times 0,inf").refused(&["inf", "no moment"]);
+    said("--times 0,1e9").refused(&["1000000000", "no moment"]);
+    said("--times 0,soon").refused(&["soon"]);
+    said("--repeat-scene-times 0").refused(&["0"]);
+    said("--times 0,1 --repeat-scene-times 2").refused(&["--times", "--repeat-scene-times"]);
+    said("--against refraction/brod").refused(&["refraction/brod", "refraction/broad"]);
+    said("--ours refraction/broad").refused(&["--against"]);
+    said("--ours refraction/broad --against refraction/broad").refused(&["both sides"]);
+}
+
+#[test]
 fn rivals_are_held_against_ours() {
     let results = results(
         "refraction/none refraction/broad refraction/combined refraction/planar --rounds 4 \

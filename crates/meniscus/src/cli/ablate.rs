@@ -52,15 +52,18 @@ pub(crate) struct Asked {
     pub wide: bool,
 }
 
+/// The latest moment, seconds: beyond it waves' phases lose their digits.
+const LATEST_MOMENT: f64 = 1e6;
 /// Seconds between moments that are only counted.
 const BETWEEN_MOMENTS: f64 = 0.25;
 
 impl Asked {
     /// The moments, seconds; none where only the scene's own is asked for.
     fn moments(&self, own: f64) -> Result<Vec<f64>, Diagnostic> {
-        if let Some(wrong) = self.times.iter().find(|time| !time.is_finite()) {
+        let allowed = -LATEST_MOMENT..=LATEST_MOMENT;
+        if let Some(wrong) = self.times.iter().find(|time| !allowed.contains(time)) {
             return Err(Diagnostic::error(format!("`--times {wrong}` is no moment"))
-                .with_help("give finite numbers of seconds"));
+                .with_help(format!("give numbers of seconds up to {LATEST_MOMENT}")));
         }
         let count = self.repeat_scene_times.unwrap_or(0);
         let counted = (0..count).map(|index| own + BETWEEN_MOMENTS * f64::from(index));
