@@ -58,7 +58,8 @@ impl RandomScenes {
     }
 
     fn count(&self) -> Result<u64, Report> {
-        let written = self.scenes.iter().filter_map(|s| self.number(s)).last();
+        let mut numbers = self.scenes.iter().filter_map(|s| self.number(s));
+        let written = numbers.next_back();
         let written = written.unwrap_or_default();
         let number = written.parse::<u64>().ok();
         number.filter(|n| (1..=MOST).contains(n)).ok_or_else(|| {
