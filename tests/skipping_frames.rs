@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3, UVec2};
+use glam::{DVec2, DVec3, UVec2, Vec3};
 use meniscus::gpu::{Counters, Frame, Gpu, PipelineCache, SceneBuffers, Skipping};
 use meniscus::pipeline::{Facts, Plan, Pruning};
 use meniscus::scene::{Mesh, Scene, Setting, Triangle};
@@ -136,13 +136,13 @@ fn grid(mesh: &mut Mesh, cells: u32, corner: [f32; 2], height: f32, object: u32)
         let at = |i: u32, j: u32| {
             let along = |k: u32| 2.0 * k as f32 / cells as f32;
             let (x, y) = (cell % cells + i, cell / cells + j);
-            [corner[0] + along(x), corner[1] + along(y), height].into()
+            Vec3::new(corner[0] + along(x), corner[1] + along(y), height)
         };
         for [b, c] in [[[1, 0], [1, 1]], [[1, 1], [0, 1]]] {
             let first = mesh.positions.len() as u32;
             mesh.positions
                 .extend([at(0, 0), at(b[0], b[1]), at(c[0], c[1])]);
-            mesh.normals.extend([glam::Vec3::Z; 3]);
+            mesh.normals.extend([Vec3::Z; 3]);
             let corners = [first, first + 1, first + 2];
             mesh.triangles.push(Triangle { corners, object });
         }

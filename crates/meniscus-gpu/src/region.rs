@@ -14,7 +14,8 @@ use crate::host_scene::HostScene;
 const NEARER: f64 = 1e-3;
 /// … and by as much as it comes nearer in so many rows of pixels …
 const ROWS: f64 = 0.05;
-/// … and by what a depth between −1 and 1, as some interfaces keep it, is rounded to.
+/// … and by what the terms of the plane's depth, and depths between −1 and 1, as some interfaces keep
+/// them, are rounded to.
 const ROUNDED: f64 = 2e-7;
 
 /// Heights are rounded by this part of the numbers that they are the difference of.
@@ -109,10 +110,13 @@ fn plane(view: &View, water: &Water) -> [f32; 3] {
     let scale = view.near / (height * view.focal);
     let steep = along[0].abs() + along[1].abs();
     let nearer = (1.0 + NEARER) * scale;
+    // The terms of the product, which may nearly cancel.
+    let terms = corner.abs() + (along[0] * size.x).abs() + (along[1] * size.y).abs();
+    let largest = nearer.abs() * terms;
     let plane = [
         nearer * along[0],
         nearer * along[1],
-        nearer * corner + scale * ROWS * steep + ROUNDED,
+        nearer * corner + scale * ROWS * steep + ROUNDED * (1.0 + largest),
     ];
     // Amid the waves there is no plane.
     match height > 0.0 && plane.iter().all(|part| part.is_finite()) {
