@@ -2,6 +2,7 @@
 
 mod crossing;
 mod domains;
+mod exceptions;
 mod flat_water;
 mod geometry;
 mod lab;
