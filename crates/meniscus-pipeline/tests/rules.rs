@@ -451,7 +451,9 @@ fn shortcuts_that_differ_are_told_apart() {
     let other = load(&text(&steps.replace("[\"far\", \"fetch\"]", "[\"far\"]"))).unwrap();
     assert_eq!(
         meniscus_pipeline::diff(&a, &other),
-        ["the shortcut `short` is instead of `far` where `fetch.fetch` change nothing, not instead of `far`, `fetch` where `fetch.fetch` change nothing"]
+        [
+            "the shortcut `short` is instead of `far` where `fetch.fetch` change nothing, not instead of `far`, `fetch` where `fetch.fetch` change nothing"
+        ]
     );
     assert!(meniscus_pipeline::diff(&a, &a).is_empty());
 }
