@@ -8,7 +8,7 @@
 // known: for fillings of `colour` that fetch what was drawn at the texel.
 //
 // provides: intersect
-// needs: geometry/ray, geometry/hit, screen/drawn, screen/seen_view, screen/target, water/body
+// needs: geometry/ray, geometry/hit, screen/camera, screen/drawn, screen/seen_view, water/body
 // slots: place
 // requires: colour = screen/resampled
 // number thickness: 0 to 100 m, step 0.05

@@ -3,7 +3,7 @@
 // line is 1 / depth. World space, metres; depth along `forward`; texels. Valid only where world rays
 // are straight on the screen.
 //
-// needs: geometry/ray, geometry/hit, screen/drawn, screen/seen_view, screen/target
+// needs: geometry/ray, geometry/hit, screen/camera, screen/drawn, screen/seen_view
 // domain: rays from points that the picture shows
 
 // From 0 (the ray's origin) to 1.
