@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use common::{folder, json, meniscus, npy_f32, text, words, write};
 use glam::UVec2;
-use meniscus::gpu::{Frame, Gpu, PipelineCache, SceneBuffers};
+use meniscus::gpu::{Frame, Gpu, PipelineCache, SceneBuffers, Skipping};
 use meniscus::pipeline::Plan;
 use meniscus::scene::Setting;
 use meniscus::{Project, Sources, facts_of};
@@ -203,8 +203,10 @@ fn no_texture_of_any_pass_holds_a_number_that_is_none() {
                 let plan = Plan::new(&pipeline, &project.composer, &facts, shown)
                     .unwrap_or_else(|e| panic!("{e}"));
                 let size = UVec2::new(97, 61);
-                let mut frame = Frame::new(&gpu, &plan, buffers.clone(), size, &cache)
-                    .unwrap_or_else(|e| panic!("{name}: {e}"));
+                // Nothing shares memory, so that every texture can be read.
+                let mut frame =
+                    Frame::with(&gpu, &plan, buffers.clone(), size, &cache, Skipping::NONE)
+                        .unwrap_or_else(|e| panic!("{name}: {e}"));
                 frame.render().unwrap_or_else(|e| panic!("{name}: {e}"));
                 let floating = plan
                     .textures
