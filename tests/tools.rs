@@ -194,6 +194,9 @@ fn the_schema_is_json_and_knows_pipelines_and_variants() {
     for kind in ["Pipeline", "Variant"] {
         assert!(schema["$defs"][kind]["properties"]["about"].is_object());
     }
+    let out = meniscus(["schema", "scene"]).done();
+    let schema: Value = serde_json::from_str(&out).expect("JSON");
+    assert!(schema["$defs"]["Scene"]["properties"]["camera"].is_object());
 }
 
 #[test]

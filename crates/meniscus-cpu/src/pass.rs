@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use meniscus_pipeline::{PassKind, PlannedPass, Size};
-use meniscus_shader::{Binding, BindingKind, Entry};
+use meniscus_shader::{Binding, BindingKind, Entry, LIVE_NUMBERS};
 use meniscus_stress::{Buffer, Column, Pixels, Program, Resources, Sampler, Settings, Texture};
 
 use crate::store::Store;
@@ -57,7 +57,11 @@ pub fn run_pass(
         trap,
     };
     let settings = Settings {
-        numbers: pass.numbers.clone(),
+        numbers: pass
+            .shader
+            .constants(&pass.numbers)
+            .map(|(name, value)| (name.to_owned(), value))
+            .collect(),
         // As software drivers do.
         fused: false,
         ..Settings::default()
@@ -109,6 +113,10 @@ impl Connected {
                     let resource = binding.resource.clone();
                     let buffer = match store.buffer(&resource) {
                         Some(buffer) => buffer,
+                        None if resource == LIVE_NUMBERS => {
+                            let value = |name: &str| pass.numbers.get(name).copied();
+                            Buffer::from_bytes(&pass.shader.live_bytes(value))
+                        }
                         None => {
                             let bytes =
                                 host(pass, binding).map_err(|problem| wrong(&resource, problem))?;

@@ -1,78 +1,18 @@
 //! What a shader reads and writes, held against what the pipeline and the host offer.
 
-use std::collections::{BTreeMap, BTreeSet};
+mod formats;
+mod targets;
 
-use meniscus_shader::{Binding, BindingKind, Entry, LIVE_NUMBERS, Sample, Shader};
-use meniscus_source::ron::Spanned;
+use std::collections::BTreeSet;
+
+use meniscus_shader::{Binding, BindingKind, LIVE_NUMBERS, Sample, Shader};
 use meniscus_source::{Diagnostic, Place};
-use naga::{ScalarKind, TypeInner, VectorSize};
+use naga::{TypeInner, VectorSize};
 
 use crate::host::{self, Members, ValueType};
 use crate::pipeline::{Pass, Pipeline};
 use crate::plan::{Format, Texture};
-
-impl Format {
-    /// WGSL's name as a storage texture's format, for those that have one.
-    pub(crate) fn storage_name(self) -> Option<&'static str> {
-        match self {
-            Self::R32Float => Some("r32float"),
-            Self::Rg32Float => Some("rg32float"),
-            Self::R32Uint => Some("r32uint"),
-            Self::Rgba8Unorm => Some("rgba8unorm"),
-            Self::Rgba16Float => Some("rgba16float"),
-            Self::Rgba32Float => Some("rgba32float"),
-            Self::Rgba32Uint => Some("rgba32uint"),
-            Self::Depth32Float => None,
-        }
-    }
-
-    /// The same format as naga knows it.
-    fn storage_format(self) -> Option<naga::StorageFormat> {
-        use naga::StorageFormat as F;
-        match self {
-            Self::R32Float => Some(F::R32Float),
-            Self::Rg32Float => Some(F::Rg32Float),
-            Self::R32Uint => Some(F::R32Uint),
-            Self::Rgba8Unorm => Some(F::Rgba8Unorm),
-            Self::Rgba16Float => Some(F::Rgba16Float),
-            Self::Rgba32Float => Some(F::Rgba32Float),
-            Self::Rgba32Uint => Some(F::Rgba32Uint),
-            Self::Depth32Float => None,
-        }
-    }
-
-    /// Bytes of a sample as a colour target, by WebGPU's count.
-    fn target_bytes(self) -> u32 {
-        match self {
-            Self::R32Float | Self::R32Uint | Self::Depth32Float => 4,
-            Self::Rg32Float | Self::Rgba8Unorm | Self::Rgba16Float => 8,
-            Self::Rgba32Float | Self::Rgba32Uint => 16,
-        }
-    }
-
-    fn filterable(self) -> bool {
-        matches!(self, Self::Rgba8Unorm | Self::Rgba16Float)
-    }
-
-    fn sample(self) -> Sample {
-        match self {
-            Self::R32Uint | Self::Rgba32Uint => Sample::Uint,
-            Self::Depth32Float => Sample::Depth,
-            _ => Sample::Float,
-        }
-    }
-
-    /// Channels of a texel, and whether they are unsigned integers.
-    fn channels(self) -> (u8, bool) {
-        match self {
-            Self::R32Float | Self::Depth32Float => (1, false),
-            Self::R32Uint => (1, true),
-            Self::Rgba32Uint => (4, true),
-            Self::Rg32Float => (2, false),
-            _ => (4, false),
-        }
-    }
-}
+pub(crate) use targets::{check_target, check_targets};
 
 /// The suffix of the name of a texture that holds what is shown in another.
 pub const SHOWN: &str = " (shown)";
@@ -385,106 +325,6 @@ pub(crate) fn check_attributes(pass: &Pass, shader: &Shader) -> Vec<Diagnostic> 
             }
             Some(_) => {}
         }
-    }
-    wrong
-}
-
-/// Checks an output's type against its texture's format.
-pub(crate) fn check_target(
-    pass: &Pass,
-    output: &str,
-    location: u32,
-    format: Format,
-    shader: &Shader,
-) -> Option<Diagnostic> {
-    let fragment = shader
-        .module
-        .entry_points
-        .iter()
-        .find(|e| e.stage == naga::ShaderStage::Fragment)?;
-    let result = fragment.function.result.as_ref()?;
-    let TypeInner::Struct { members, .. } = &shader.module.types[result.ty].inner else {
-        return None;
-    };
-    let member = members.iter().find(
-        |m| matches!(m.binding, Some(naga::Binding::Location { location: l, .. }) if l == location),
-    )?;
-    let (channels, kind) = match &shader.module.types[member.ty].inner {
-        TypeInner::Scalar(scalar) => (1, scalar.kind),
-        TypeInner::Vector { size, scalar } => (*size as u8, scalar.kind),
-        _ => return None,
-    };
-    let (wanted, wanted_unsigned) = format.channels();
-    let wanted_kind = if wanted_unsigned {
-        ScalarKind::Uint
-    } else {
-        ScalarKind::Float
-    };
-    (channels < wanted || kind != wanted_kind).then(|| {
-        about(
-            pass,
-            format!("the output `{output}` does not fit the format {format:?} of its texture: that has {wanted} {}{}",
-                if wanted_unsigned { "unsigned integer" } else { "floating-point number" },
-                if wanted == 1 { "" } else { "s" }),
-        )
-    })
-}
-
-/// The most bytes of a sample that all colour targets of a pass may have together.
-const MAX_TARGET_BYTES: u32 = 32;
-
-/// Checks all targets of a pass together: each once, colours only, and not too large.
-pub(crate) fn check_targets(
-    pass: &Pass,
-    outputs: &[(Spanned<String>, Spanned<String>)],
-    textures: &BTreeMap<String, Texture>,
-    shader: &Shader,
-) -> Vec<Diagnostic> {
-    let mut wrong = Vec::new();
-    let mut seen = BTreeSet::new();
-    let mut bytes = 0;
-    for (output, texture) in outputs {
-        let at = |message: String, words: &str| {
-            let diagnostic = Diagnostic::error(message);
-            match &texture.place {
-                Some(place) => diagnostic.at(place, words),
-                None => diagnostic,
-            }
-        };
-        if !seen.insert(&texture.value) {
-            wrong.push(at(
-                format!("`{}` writes `{}` twice", pass.name.value, texture.value),
-                "again here",
-            ));
-        }
-        let Some(format) = textures.get(&texture.value).map(|t| t.format) else {
-            continue;
-        };
-        if format == Format::Depth32Float {
-            wrong.push(
-                at(
-                    format!(
-                        "the output `{}` cannot be written to the depth texture `{}`",
-                        output.value, texture.value
-                    ),
-                    "a depth texture",
-                )
-                .with_help("write `depth` to it, or give it another format"),
-            );
-        }
-        bytes += format.target_bytes();
-    }
-    if matches!(shader.entry, Entry::Render { .. }) && bytes > MAX_TARGET_BYTES {
-        wrong.push(
-            about(
-                pass,
-                format!(
-                    "`{}` writes {bytes} bytes a sample; {MAX_TARGET_BYTES} are allowed",
-                    pass.name.value
-                ),
-            )
-            .with_help("take smaller formats, or split the pass"),
-        );
     }
     wrong
 }

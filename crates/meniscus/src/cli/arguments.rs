@@ -76,14 +76,16 @@ pub(crate) enum Command {
     Compose(super::compose::Compose),
     /// Say in words how a pipeline differs from another.
     Diff(super::diff::Diff),
-    /// Draw a pipeline: its passes, what fills their slots, and what lies between them.
-    Graph(super::graph::Graph),
+    /// Say what of a pipeline a scene needs: what is kept and what is left out, by which fact and rule.
+    Explain(Box<super::explain::Explain>),
     /// Render with all that can be left out left out, and with nothing, and compare.
     ///
     /// Every output has to hold the same bits; where a module says that leaving something out moves
     /// what is shown by a part of a pixel, what is shown has to stay within that. Cameras, waves and
     /// times are drawn at random. Ends with 1 where something differs, and tells how to see it again.
     Prove(Box<super::prove::Prove>),
+    /// Draw a pipeline: its passes, what fills their slots, and what lies between them.
+    Graph(super::graph::Graph),
     /// Write what something new begins as.
     New(super::new_module::New),
     /// Render one pipeline to a PNG.
@@ -110,8 +112,8 @@ pub(crate) enum Command {
     /// random inputs, with special ones, and by an adversary that goes from bad inputs to worse.
     /// Errors are in units in the last place of 32-bit floats.
     Stress(Stress),
-    /// Print the JSON Schema of pipeline files, for editors and other programs.
-    Schema,
+    /// Print the JSON Schema of pipeline files or scene files, for editors and other programs.
+    Schema(super::schema::Schema),
     /// List the graphics adapters of this machine.
     Adapters,
 }
@@ -177,6 +179,8 @@ pub(crate) struct Render {
     pub look: Look,
     #[command(flatten)]
     pub changes: Changes,
+    #[command(flatten)]
+    pub skipping: super::explain::Skipping,
     /// The picture to write.
     #[arg(short, long, value_name = "FILE.png")]
     pub output: PathBuf,

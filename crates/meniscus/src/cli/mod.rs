@@ -112,8 +112,8 @@ fn execute(arguments: Arguments) -> Result<(), Failure> {
         Command::Compose(compose) => compose::run(&project, &compose),
         Command::Diff(diff) => diff::run(&project, &diff),
         Command::Explain(explain) => explain::run(&project, &explain),
-        Command::Graph(graph) => graph::run(&project, &graph),
         Command::Prove(prove) => prove::run(&project, &prove, &sources),
+        Command::Graph(graph) => graph::run(&project, &graph),
         Command::New(new) => new_module::run(&project, &new),
         Command::Render(render) => render::run(&project, &render),
         Command::Run(asked) => run::run(&project, &asked),
@@ -121,7 +121,7 @@ fn execute(arguments: Arguments) -> Result<(), Failure> {
         Command::Merge(merge) => sweep::merge(&merge),
         Command::Compare(compare) => compare::run(&compare),
         Command::Eval(eval) => eval::run(&project, &eval),
-        Command::Schema => schema::run(),
+        Command::Schema(asked) => schema::run(&asked),
         Command::Stress(stress) if stress.stability.is_asked() => {
             stability::run(&project, &stress)
         }
