@@ -151,7 +151,9 @@ mod tests {
             Format::Rgba32Float,
             Format::Rgba32Uint,
         ] {
-            let bytes: Vec<u8> = (0..texel_bytes(format) * 5).map(|i| (i as u8).wrapping_mul(7)).collect();
+            let bytes: Vec<u8> = (0..texel_bytes(format) * 5)
+                .map(|i| (i as u8).wrapping_mul(7))
+                .collect();
             let mut texels = Vec::new();
             words(format, &bytes, &mut texels);
             assert_eq!(texels.len(), 5, "{format:?}");

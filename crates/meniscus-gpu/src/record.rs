@@ -128,7 +128,7 @@ pub(crate) fn step(
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some(&step.name),
                 color_attachments: &colours,
-                depth_stencil_attachment: depth.as_ref().map(depth_attachment),
+                depth_stencil_attachment: depth.as_deref().map(depth_attachment),
                 timestamp_writes: stamps.map(|query_set| wgpu::RenderPassTimestampWrites {
                     query_set,
                     beginning_of_pass_write_index: own_begin,

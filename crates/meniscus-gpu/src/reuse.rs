@@ -223,11 +223,11 @@ mod tests {
             let mut uses: Vec<Vec<Use>> = Vec::new();
             for _ in 0..count {
                 let mut pass = Vec::new();
-                for resource in 0..memories {
+                for (resource, written) in written.iter_mut().enumerate() {
                     let (needs, changes) = [READ, WRITE, ADD][random(3) as usize];
                     if random(2) == 0 {
                         // What nobody has written yet is cleared first.
-                        let first = !std::mem::replace(&mut written[resource], true);
+                        let first = !std::mem::replace(written, true);
                         pass.push(Use {
                             resource,
                             needs: needs && !first,
@@ -244,9 +244,9 @@ mod tests {
             let mut frame = Reuse::new(uses.clone(), vec![false; count], memories);
             frame.done();
             for _ in 0..3 {
-                for pass in 0..count {
+                for (pass, own) in own.iter_mut().enumerate() {
                     if random(4) == 0 {
-                        own[pass] += 1000;
+                        *own += 1000;
                         frame.touch(pass);
                     }
                 }

@@ -176,7 +176,13 @@ impl SceneBuffers {
             let bytes = far.divided.as_ref().map_or(0, GeometryBuffers::bytes);
             (far.facts.ms, bytes)
         });
-        let bvh = |ms| (ms, self.arrays.bytes_of(&["triangles", "bvh_nodes", "bvh_wide_nodes"]));
+        let bvh = |ms| {
+            (
+                ms,
+                self.arrays
+                    .bytes_of(&["triangles", "bvh_nodes", "bvh_wide_nodes"]),
+            )
+        };
         let distances = ["distance_grids", "distance_voxels", "distance_objects"];
         let field = |ms| (ms, self.arrays.bytes_of(&distances));
         let made = [

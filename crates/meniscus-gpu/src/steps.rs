@@ -39,7 +39,7 @@ pub(crate) struct Step {
 pub(crate) enum Work {
     Render {
         colours: Vec<Attachment>,
-        depth: Option<Attachment>,
+        depth: Option<Box<Attachment>>,
         /// The tiles that are drawn in place of a triangle over everything.
         tiles: Option<Box<Tiles>>,
         draw: Draw,
@@ -211,7 +211,7 @@ impl Builder<'_> {
         };
         Ok(Work::Render {
             colours,
-            depth,
+            depth: depth.map(Box::new),
             tiles,
             draw,
         })

@@ -45,7 +45,9 @@ pub use prove::{Case, Difference, Place, Proof, Proved};
 pub use report::{Beside, report, sweep_report};
 pub use rivalry::{Rivalry, contests_markdown, contests_of, contests_text};
 pub use rounds::{Rounds, Until};
-pub use scene_stress::{Distance, SceneCheck, SceneFailure, SceneStress, StressedScenes, oddity_names};
+pub use scene_stress::{
+    Distance, SceneCheck, SceneFailure, SceneStress, StressedScenes, oddity_names,
+};
 pub use solvers::{Solver, solvers};
 pub use stability::{StabilityData, solvers_figures, stability_page};
 pub use sweep::{Axis, Partition, fingerprint, points};

@@ -50,8 +50,8 @@ fn a_live_number_changes_without_a_new_pipeline() {
     let plan = plan(&textures, &[], passes);
     let scene = scene(&[]);
     let cache = PipelineCache::default();
-    let buffers = Arc::new(SceneBuffers::new(&gpu, &scene).unwrap());
-    let mut frame = Frame::new(&gpu, &plan, buffers, UVec2::new(4, 4), &cache).unwrap();
+    let buffers = Arc::new(SceneBuffers::new(gpu, &scene).unwrap());
+    let mut frame = Frame::new(gpu, &plan, buffers, UVec2::new(4, 4), &cache).unwrap();
     let made = cache.sizes();
     assert_eq!(made, (1, 1), "both passes have one pipeline");
     let values =

@@ -122,9 +122,7 @@ fn execute(arguments: Arguments) -> Result<(), Failure> {
         Command::Compare(compare) => compare::run(&compare),
         Command::Eval(eval) => eval::run(&project, &eval),
         Command::Schema(asked) => schema::run(&asked),
-        Command::Stress(stress) if stress.stability.is_asked() => {
-            stability::run(&project, &stress)
-        }
+        Command::Stress(stress) if stress.stability.is_asked() => stability::run(&project, &stress),
         Command::Stress(stress) if stress.random.is_asked() => {
             stress_scenes::run(&project, &stress)
         }
