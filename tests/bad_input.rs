@@ -97,7 +97,7 @@ fn a_wrong_signature_is_shown_beside_the_slots() {
         "normal: vec3f",
         "normal: vec2f",
         &[
-            "modules/optics/mine.wgsl:6:1",
+            "modules/optics/mine.wgsl:6:27",
             "signature",
             "slots/deflect.wgsl",
             "fn deflect(incident: Ray, normal: vec3f) -> Deflected",

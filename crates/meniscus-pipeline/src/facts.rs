@@ -32,7 +32,7 @@ pub const KNOWN: &[(&str, &str)] = &[
     ),
     (
         "fine_edges",
-        "edges behind flat water are drawn within a tenth of a pixel",
+        "the eye is far enough from the water for edges behind it to be drawn within a tenth of a pixel",
     ),
 ];
 

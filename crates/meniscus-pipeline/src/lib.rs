@@ -33,7 +33,7 @@ pub use explain::{
 pub use facts::{Facts, KNOWN as KNOWN_FACTS, check_facts};
 pub use file::{Dispatch, Over, Runs};
 pub use interface::SHOWN;
-pub use outlook::{Counted, FINE_EDGES_PX, Outlook, Rect, SceneBounds};
+pub use outlook::{Counted, Outlook, Rect, SceneBounds};
 pub use pipeline::{Pass, PassOver, Pipeline, Pipelines};
 pub use plan::{
     Buffer, Covers, Format, Geometry, PassKind, Plan, PlannedPass, Pruning, Size, Texture,

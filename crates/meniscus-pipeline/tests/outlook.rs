@@ -131,12 +131,20 @@ fn an_eye_among_the_waves_may_see_anything() {
 }
 
 #[test]
-fn edges_count_as_fine_within_a_tenth_of_a_pixel() {
-    let outlook = outlook(&common::scene());
-    assert!(outlook.facts.has("fine_edges"));
-    assert!(outlook.with_bow(0.1).facts.has("fine_edges"));
-    assert!(!outlook.with_bow(0.2).facts.has("fine_edges"));
-    assert!(!outlook.with_bow(f64::INFINITY).facts.has("fine_edges"));
+fn edges_count_as_fine_for_an_eye_that_is_not_at_the_water() {
+    let mut scene = common::scene();
+    let near = scene.camera.near;
+    for (height, fine) in [
+        (2.0, true),
+        (2.5 * near, true),
+        (0.5 * near, false),
+        (0.0, false),
+    ] {
+        for side in [1.0, -1.0] {
+            look(&mut scene, [0.0, -4.0, side * height], [0.0, 2.0, -1.0]);
+            assert_eq!(outlook(&scene).facts.has("fine_edges"), fine, "{height}");
+        }
+    }
 }
 
 #[test]
