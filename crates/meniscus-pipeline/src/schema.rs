@@ -7,8 +7,8 @@ pub const SCHEMA: &str = include_str!("schema.json");
 
 #[cfg(test)]
 mod tests {
+    use meniscus_source::parts_of;
     use serde::Deserialize;
-    use serde::de::{Deserializer, Error as _, Visitor, value::Error};
     use serde_json::Value;
 
     use super::SCHEMA;
@@ -18,47 +18,10 @@ mod tests {
     };
     use crate::plan::{Format, Geometry, Size};
 
-    /// Asks a type what it is made of, and reads nothing.
-    struct Asking<'a>(&'a mut Option<(String, Vec<&'static str>)>);
-
-    impl<'de> Deserializer<'de> for Asking<'_> {
-        type Error = Error;
-
-        fn deserialize_struct<V: Visitor<'de>>(
-            self,
-            name: &'static str,
-            fields: &'static [&'static str],
-            _: V,
-        ) -> Result<V::Value, Error> {
-            *self.0 = Some((name.to_owned(), fields.to_vec()));
-            Err(Error::custom("asked"))
-        }
-
-        fn deserialize_enum<V: Visitor<'de>>(
-            self,
-            name: &'static str,
-            variants: &'static [&'static str],
-            _: V,
-        ) -> Result<V::Value, Error> {
-            *self.0 = Some((name.to_owned(), variants.to_vec()));
-            Err(Error::custom("asked"))
-        }
-
-        fn deserialize_any<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Error> {
-            Err(Error::custom("neither a struct nor a choice"))
-        }
-
-        serde::forward_to_deserialize_any! {
-            bool i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 char str string bytes byte_buf option unit
-            unit_struct newtype_struct seq tuple tuple_struct map identifier ignored_any
-        }
-    }
-
     /// A type's name, and those of its fields or variants.
     fn parts<T: for<'de> Deserialize<'de>>() -> (String, Vec<&'static str>) {
-        let mut found = None;
-        let _ = T::deserialize(Asking(&mut found));
-        found.expect("a struct or a choice")
+        let (name, parts) = parts_of::<T>().expect("a struct or a choice");
+        (name.to_owned(), parts.to_vec())
     }
 
     fn schema() -> Value {

@@ -9,9 +9,8 @@ pub const SCHEMA: &str = include_str!("schema.json");
 mod tests {
     use std::collections::BTreeSet;
 
-    use meniscus_source::SourceFile;
+    use meniscus_source::{SourceFile, parts_of};
     use serde::Deserialize;
-    use serde::de::{Deserializer, Error as _, Visitor, value::Error};
     use serde_json::Value;
 
     use super::SCHEMA;
@@ -20,48 +19,10 @@ mod tests {
         SceneFile, Shape, SkyFile, SunFile, TilesFile, Up, VariantFile, WaterFile, WaveFile,
     };
 
-    /// Asks a type what it is made of, and reads nothing.
-    struct Asking<'a>(&'a mut Option<&'static [&'static str]>);
-
-    impl<'de> Deserializer<'de> for Asking<'_> {
-        type Error = Error;
-
-        fn deserialize_struct<V: Visitor<'de>>(
-            self,
-            _: &'static str,
-            fields: &'static [&'static str],
-            _: V,
-        ) -> Result<V::Value, Error> {
-            *self.0 = Some(fields);
-            Err(Error::custom("asked"))
-        }
-
-        fn deserialize_enum<V: Visitor<'de>>(
-            self,
-            _: &'static str,
-            variants: &'static [&'static str],
-            _: V,
-        ) -> Result<V::Value, Error> {
-            *self.0 = Some(variants);
-            Err(Error::custom("asked"))
-        }
-
-        fn deserialize_any<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Error> {
-            Err(Error::custom("neither a struct nor a choice"))
-        }
-
-        serde::forward_to_deserialize_any! {
-            bool i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 char str string bytes byte_buf option unit
-            unit_struct newtype_struct seq tuple tuple_struct map identifier ignored_any
-        }
-    }
-
     /// The names of a type's fields or variants.
     fn parts<T: for<'de> Deserialize<'de>>() -> BTreeSet<String> {
-        let mut found = None;
-        let _ = T::deserialize(Asking(&mut found));
-        let names = found.expect("a struct or a choice").iter();
-        names.map(|name| (*name).to_owned()).collect()
+        let (_, names) = parts_of::<T>().expect("a struct or a choice");
+        names.iter().map(|name| (*name).to_owned()).collect()
     }
 
     fn schema() -> Value {

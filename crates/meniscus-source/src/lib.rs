@@ -6,10 +6,12 @@
 mod diagnostic;
 mod file;
 mod names;
+mod parts;
 pub mod ron;
 mod tree;
 
 pub use diagnostic::{Diagnostic, Label, Report, Severity};
 pub use file::{MAX_SOURCE_BYTES, Place, SourceFile};
 pub use names::did_you_mean;
+pub use parts::parts_of;
 pub use tree::read_tree;
