@@ -157,18 +157,6 @@ impl SceneBuffers {
         self.held_far().last().map(|(_, far)| far.facts)
     }
 
-    /// How long it took to sort the triangles for rays (`bvh_nodes`), milliseconds; none while no
-    /// frame of this scene has asked for it.
-    pub fn build_ms(&self) -> Option<f64> {
-        self.arrays.build_ms()
-    }
-
-    /// How long it took to measure distances to the triangles (`distance_voxels`), milliseconds;
-    /// none while no frame of this scene has asked for them.
-    pub fn distance_field_ms(&self) -> Option<f64> {
-        self.arrays.distance_field_ms()
-    }
-
     /// What was made of the scene on the CPU so far, with its cost; only what some frame has asked
     /// for.
     pub fn preprocessing(&self) -> Vec<Preprocessing> {
@@ -186,8 +174,8 @@ impl SceneBuffers {
         let distances = ["distance_grids", "distance_voxels", "distance_objects"];
         let field = |ms| (ms, self.arrays.bytes_of(&distances));
         let made = [
-            ("bvh", self.build_ms().map(bvh)),
-            ("distance_field", self.distance_field_ms().map(field)),
+            ("bvh", self.arrays.build_ms().map(bvh)),
+            ("distance_field", self.arrays.distance_field_ms().map(field)),
             ("far_side", far),
         ];
         let told = |(name, cost): (&'static str, Option<(f64, u64)>)| {
