@@ -29,7 +29,8 @@ const COLOURS: [&str; 7] = [
 ];
 
 /// Draws curves over places that stand at equal distances, whatever their values, so that words and
-/// noughts have a place too; upwards the axis is logarithmic.
+/// noughts have a place too; upwards the axis is logarithmic. Between words (scenes, modules) there is
+/// nothing, so their points are not joined.
 ///
 /// # Errors
 /// [`MeasureError::Value`] when there is nothing to draw, or a value is not positive and finite.
@@ -54,6 +55,7 @@ pub fn curves_figure(
     let y = Axis::holding(values(), AREA.bottom, AREA.top);
     let step = (AREA.right - AREA.left) / places.len() as f64;
     let x = |place: usize| AREA.left + (place as f64 + 0.5) * step;
+    let joined = places.iter().all(|place| is_number(place));
     let mut svg = AREA.begin(title, [along, upwards]);
     AREA.write_level(&mut svg, &y);
     for (index, place) in places.iter().enumerate() {
@@ -70,16 +72,22 @@ pub fn curves_figure(
         let points: Vec<[f64; 2]> = known
             .filter_map(|(place, value)| Some([x(place), y.at((*value)?)]))
             .collect();
-        let line: Vec<String> = points
-            .iter()
-            .map(|[x, y]| format!("{x:.1},{y:.1}"))
-            .collect();
         // Writing to a String cannot fail.
         let _ = write!(
             svg,
-            r#"<g stroke="{colour}" fill="{colour}"><title>{label}</title><polyline fill="none" stroke-width="2" points="{}"/>"#,
-            line.join(" ")
+            r#"<g stroke="{colour}" fill="{colour}"><title>{label}</title>"#
         );
+        if joined {
+            let line: Vec<String> = points
+                .iter()
+                .map(|[x, y]| format!("{x:.1},{y:.1}"))
+                .collect();
+            let _ = write!(
+                svg,
+                r#"<polyline fill="none" stroke-width="2" points="{}"/>"#,
+                line.join(" ")
+            );
+        }
         for [x, y] in &points {
             let _ = write!(svg, r#"<circle cx="{x:.1}" cy="{y:.1}" r="3.5"/>"#);
         }
@@ -96,6 +104,12 @@ pub fn curves_figure(
     }
     svg.push_str("</svg>\n");
     Ok(svg)
+}
+
+/// Whether a place reads as a number, be it with a suffix (16k).
+fn is_number(place: &str) -> bool {
+    let digits = place.trim_start_matches(['-', '+', '.']);
+    digits.starts_with(|first: char| first.is_ascii_digit())
 }
 
 /// Where the labels stand: at their lines' ends, pushed down where another is in the way.
@@ -124,6 +138,17 @@ mod tests {
             label: label.into(),
             values: values.into(),
         }
+    }
+
+    #[test]
+    fn points_over_numbers_are_joined_and_those_over_words_are_not() {
+        let curves = [curve("a", &[Some(1.0), Some(2.0)])];
+        let lines = |places: [&str; 2]| {
+            let svg = curves_figure("t", ["x", "y"], &places.map(str::to_owned), &curves);
+            svg.unwrap().matches("<polyline").count()
+        };
+        assert_eq!(lines(["-0.5", "16k"]), 1);
+        assert_eq!(lines(["pool", "clutter"]), 0);
     }
 
     #[test]

@@ -93,7 +93,11 @@ pub(crate) fn html_table(label: &str, headings: &[&str], rows: &[Vec<String>]) -
         html.push_str("<tr>");
         for (index, cell) in cells.iter().enumerate() {
             let _ = match index {
-                0 => write!(html, "<th scope=\"row\">{}</th>", escaped(cell)),
+                0 => {
+                    // Long names may be broken after a slash.
+                    let name = escaped(cell).replace('/', "/<wbr>");
+                    write!(html, "<th scope=\"row\">{name}</th>")
+                }
                 _ => write!(html, "<td>{}</td>", escaped(cell)),
             };
         }

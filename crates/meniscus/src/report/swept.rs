@@ -36,12 +36,14 @@ pub fn sweep_report(sweep: &Sweep, beside: Option<Beside>) -> Result<String, Mea
     let figures = curves(&points)?;
     if !figures.is_empty() {
         section(&mut page, "curves", "Along the swept settings", |page| {
+            page.push_str("<div class=\"figures\">\n");
             for figure in figures {
                 let _ = writeln!(
                     page,
                     "<div class=\"wide plane\" tabindex=\"0\">{figure}</div>"
                 );
             }
+            page.push_str("</div>\n");
         });
     }
     if let Some(beside) = beside {
