@@ -293,6 +293,7 @@ pub(crate) mod tests {
                 pattern: Pattern::Plain,
             }],
             mesh: Mesh::default(),
+            moving: meniscus_scene::Moving::default(),
             water: Water {
                 level: 0.0,
                 refractive_index: 1.333,

@@ -91,6 +91,13 @@ impl Scene {
         {
             broken("a number of the camera or the water is not finite".into());
         }
+        if !self.moving.is_empty() && self.moving.time() != self.water.time {
+            broken(format!(
+                "its objects stand as at {} s, its water as at {} s",
+                self.moving.time(),
+                self.water.time
+            ));
+        }
         if !self.sun.direction.is_normalized() {
             broken("the sun's direction is not a unit vector".into());
         }

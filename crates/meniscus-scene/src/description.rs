@@ -340,6 +340,40 @@ pub(crate) struct ObjectFile {
     /// Whether an upright shape gets a row of vertices at the water's level.
     #[serde(default = "ObjectFile::yes")]
     pub waterline: bool,
+    /// How it moves with the scene's time.
+    pub motion: Option<MotionFile>,
+}
+
+/// A rigid motion, from where the object is placed on.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct MotionFile {
+    /// Metres per second.
+    pub velocity: Triple,
+    /// About the object's own origin: the axis, as long as it turns in degrees per second.
+    pub turn: Triple,
+    /// Up and down.
+    pub heave: Option<HeaveFile>,
+}
+
+impl Default for MotionFile {
+    fn default() -> Self {
+        Self {
+            velocity: triple(0.0, 0.0, 0.0),
+            turn: triple(0.0, 0.0, 0.0),
+            heave: None,
+        }
+    }
+}
+
+/// amplitude · sin(2π t / period)
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct HeaveFile {
+    /// Metres.
+    pub amplitude: Number,
+    /// Seconds.
+    pub period: Number,
 }
 
 impl ObjectFile {

@@ -136,6 +136,24 @@ pub struct ObjectExport {
     pub name: String,
     /// Index of its material.
     pub material: u32,
+    /// How it moves with the water's time; positions and normals are those of that time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motion: Option<MotionExport>,
+}
+
+/// A rigid motion; see [`crate::Motion`].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MotionExport {
+    /// What it turns about at time 0, metres.
+    pub pivot: [f64; 3],
+    /// Metres per second.
+    pub velocity: [f64; 3],
+    /// The axis, as long as it turns in radians per second.
+    pub turn: [f64; 3],
+    /// How far it rises and falls, metres.
+    pub heave: f64,
+    /// Seconds.
+    pub period: f64,
 }
 
 impl Scene {
@@ -176,12 +194,12 @@ impl Scene {
                 deep: self.sky.deep.to_array(),
             },
             materials: self.materials.iter().map(material).collect(),
-            objects: self
-                .objects
-                .iter()
-                .map(|object| ObjectExport {
+            objects: (0..)
+                .zip(&self.objects)
+                .map(|(id, object)| ObjectExport {
                     name: object.name.clone(),
                     material: object.material,
+                    motion: motion(self, id),
                 })
                 .collect(),
             positions: self.mesh.positions.iter().map(|p| p.to_array()).collect(),
@@ -194,6 +212,19 @@ impl Scene {
                 .collect(),
         }
     }
+}
+
+fn motion(scene: &Scene, object: u32) -> Option<MotionExport> {
+    let mut bodies = scene.moving.bodies().iter();
+    let body = bodies.find(|body| body.object() == object)?;
+    let motion = body.motion();
+    Some(MotionExport {
+        pivot: body.pivot().to_array(),
+        velocity: motion.velocity.to_array(),
+        turn: motion.turn.to_array(),
+        heave: motion.heave,
+        period: motion.period,
+    })
 }
 
 fn camera(view: &View) -> CameraExport {

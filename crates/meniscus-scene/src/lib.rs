@@ -15,6 +15,7 @@ mod lower;
 mod mesh;
 mod mesh_file;
 mod model;
+mod motion;
 mod polygon;
 mod schema;
 mod settings;
@@ -24,7 +25,7 @@ mod water;
 
 pub use camera::{Camera, View};
 pub use export::{
-    CameraExport, MaterialExport, ObjectExport, SceneExport, SkyExport, SunExport, TilesExport,
+    CameraExport, MaterialExport, MotionExport, ObjectExport, SceneExport, SkyExport, SunExport, TilesExport,
     WaterExport, WaveExport,
 };
 pub use library::{Library, SceneSource};
@@ -32,5 +33,6 @@ pub use mesh::Sides;
 pub use model::{
     Material, Mesh, Object, Pattern, Scene, Sky, Sun, Triangle, Water, WaterGeometry, Wave,
 };
+pub use motion::{Body, Motion, Moving};
 pub use schema::SCHEMA;
 pub use settings::{Key, Setting, Values, keys};

@@ -8,18 +8,20 @@ use meniscus_source::ron::Spanned;
 use meniscus_source::{Diagnostic, Report, SourceFile};
 
 use crate::description::{
-    Document, GeometryFile, MaterialFile, Number, ObjectFile, Pair, SceneFile, Triple, WaterFile,
+    Document, GeometryFile, MaterialFile, MotionFile, Number, ObjectFile, Pair, SceneFile, Triple,
+    WaterFile,
 };
 use crate::generate::{Source, source};
+use crate::motion::{Body, FARTHEST};
 use crate::settings::{self, Setting, located, start_of, within};
 use crate::soup::{MOST_TRIANGLES, Soup};
-use crate::{Camera, Material, Mesh, Object, Pattern, Scene, Sky, Sun, Water, WaterGeometry, Wave};
+use crate::{
+    Camera, Material, Mesh, Motion, Moving, Object, Pattern, Scene, Sky, Sun, Water, WaterGeometry,
+    Wave,
+};
 
 /// Standard acceleration of gravity, m/s².
 const GRAVITY: f64 = 9.806_65;
-
-/// Nothing stands further from the origin, metres: f32 is too coarse beyond.
-const FARTHEST: f64 = 1e6;
 
 /// Cells of a scene without a budget, metres: straight edges bow little through water.
 const USUAL_EDGE: f64 = 0.15;
@@ -135,7 +137,7 @@ impl Reader {
             .map(|(name, _)| name.as_str())
             .collect();
         let objects = self.objects(described, &names);
-        let mesh = self.mesh(described, base_dir, water.level);
+        let (mesh, moving) = self.mesh(described, base_dir, &water);
         if !self.report.is_ok() || mesh.triangles.is_empty() {
             return None;
         }
@@ -145,6 +147,7 @@ impl Reader {
             objects,
             materials,
             mesh,
+            moving,
             water,
             camera,
             sun,
@@ -266,7 +269,13 @@ impl Reader {
         objects
     }
 
-    fn mesh(&mut self, described: &SceneFile, base_dir: Option<&Path>, level: f64) -> Mesh {
+    fn mesh(
+        &mut self,
+        described: &SceneFile,
+        base_dir: Option<&Path>,
+        water: &Water,
+    ) -> (Mesh, Moving) {
+        let level = water.level;
         let mut parts = Vec::new();
         for object in &described.objects {
             let place = self.place(object);
@@ -277,6 +286,7 @@ impl Reader {
             let source = source(self, object, base_dir);
             let detail = self.number("detail", &object.detail, 1e-3, 1e3);
             let edge = object.edge.as_ref().map(|edge| self.length("edge", edge));
+            let motion = object.motion.as_ref().map(|motion| self.motion(motion));
             parts.push(Part {
                 object,
                 place,
@@ -284,11 +294,12 @@ impl Reader {
                 source,
                 detail,
                 edge,
+                motion: motion.filter(|motion| !motion.is_still()),
             });
         }
         let mut mesh = Mesh::default();
         if !self.report.is_ok() {
-            return mesh;
+            return (mesh, Moving::default());
         }
         let budget = described.pool.triangles.as_ref().map(|count| count.value.0);
         let edge = budget.map_or(USUAL_EDGE, |budget| edge_for(&parts, budget));
@@ -303,12 +314,19 @@ impl Reader {
                 located(Diagnostic::error(message), &place)
                     .with_help("make `edge` larger or `detail` smaller; this object has the most"),
             );
-            return mesh;
+            return (mesh, Moving::default());
         }
+        let mut bodies = Vec::new();
         for (id, part) in parts.iter().enumerate() {
-            let added = part
-                .soup(edge)
-                .append(&mut mesh, part.place, level, id as u32);
+            let first = mesh.positions.len() as u32;
+            let soup = part.soup(edge);
+            let added = soup.append(&mut mesh, part.place, level, id as u32);
+            if let Some(motion) = part.motion {
+                let vertices = (first..mesh.positions.len() as u32).collect();
+                let (positions, normals) = soup.placed(part.place).unzip();
+                let motion = (motion, part.place.translation);
+                bodies.push(Body::new(id as u32, motion, vertices, positions, normals));
+            }
             if added == 0 {
                 let message = format!("`{}` has no triangle with an area", part.object.name.value);
                 self.report.add(located(
@@ -317,6 +335,8 @@ impl Reader {
                 ));
             }
         }
+        let mut moving = Moving::new(bodies);
+        moving.set_time(&mut mesh, level, water.time);
         if let Some(far) = mesh
             .positions
             .iter()
@@ -330,12 +350,36 @@ impl Reader {
                 .and_then(|t| parts.get(t.object as usize))
                 .map(|part| part.object);
             let message = format!("an object reaches further than {FARTHEST} m from the origin");
+            let mut diagnostic = Diagnostic::error(message);
+            if object.is_some_and(|o| o.motion.is_some()) {
+                diagnostic = diagnostic.with_help(format!(
+                    "it moves: this is where it is at {} s (water.time)",
+                    water.time
+                ));
+            }
             self.report.add(located(
-                Diagnostic::error(message),
+                diagnostic,
                 &object.and_then(|o| o.name.place.clone()),
             ));
         }
-        mesh
+        (mesh, moving)
+    }
+
+    fn motion(&mut self, described: &MotionFile) -> Motion {
+        let turn = self.triple("turn", &described.turn, -1e4, 1e4);
+        let (heave, period) = match &described.heave {
+            Some(heave) => (
+                self.number("amplitude", &heave.amplitude, 0.0, 1e4),
+                self.number("period", &heave.period, 1e-2, 1e5),
+            ),
+            None => (0.0, 1.0),
+        };
+        Motion {
+            velocity: self.triple("velocity", &described.velocity, -1e3, 1e3),
+            turn: turn.map(f64::to_radians),
+            heave,
+            period,
+        }
     }
 
     fn place(&mut self, object: &Spanned<ObjectFile>) -> DAffine3 {
@@ -359,6 +403,8 @@ struct Part<'a> {
     source: Source,
     detail: f64,
     edge: Option<f64>,
+    /// None where it is static.
+    motion: Option<Motion>,
 }
 
 impl Part<'_> {

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
-use crate::Camera;
+use crate::{Camera, Moving};
 
 /// A scene at one moment.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +17,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// All triangles, in world space.
     pub mesh: Mesh,
+    /// What of it moves with the water's time: see [`Scene::set_time`].
+    pub moving: Moving,
     /// The water; it reaches to the horizon, and solid things above it hide it.
     pub water: Water,
     /// The eye.
@@ -95,7 +97,7 @@ pub struct Water {
     pub refractive_index: f64,
     /// The waves' terms; empty or of amplitude 0 where the water is flat.
     pub waves: Vec<Wave>,
-    /// Time, seconds.
+    /// Time, seconds. Where objects move, [`Scene::set_time`] sets it.
     pub time: f64,
     /// Whether rays meet the rest plane or the waves.
     pub geometry: WaterGeometry,

@@ -15,8 +15,9 @@ mod tests {
 
     use super::SCHEMA;
     use crate::description::{
-        BudgetFile, CameraFile, Document, GeometryFile, MaterialFile, Normals, ObjectFile,
-        SceneFile, Shape, SkyFile, SunFile, TilesFile, Up, VariantFile, WaterFile, WaveFile,
+        BudgetFile, CameraFile, Document, GeometryFile, HeaveFile, MaterialFile, MotionFile,
+        Normals, ObjectFile, SceneFile, Shape, SkyFile, SunFile, TilesFile, Up, VariantFile,
+        WaterFile, WaveFile,
     };
 
     /// The names of a type's fields or variants.
@@ -155,6 +156,8 @@ mod tests {
         same::<MaterialFile>("material");
         same::<TilesFile>("tiles");
         same::<ObjectFile>("object");
+        same::<MotionFile>("motion");
+        same::<HeaveFile>("heave");
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use crate::motion::rounded;
 use crate::shapes::Patch;
 use crate::{Mesh, Triangle};
 
@@ -87,20 +88,22 @@ impl Soup {
         }
     }
 
+    /// Positions and unit normals in the world.
+    pub fn placed(&self, place: DAffine3) -> impl Iterator<Item = (DVec3, DVec3)> {
+        let normal_matrix = normal_matrix(place.matrix3);
+        self.positions.iter().enumerate().map(move |(index, &at)| {
+            let normal = self.normals.get(index).copied().unwrap_or(DVec3::Z);
+            let normal = (normal_matrix * normal).normalize_or(DVec3::Z);
+            (place.transform_point3(at), normal)
+        })
+    }
+
     /// Adds this to a scene's mesh and returns how many triangles were added: degenerate ones are
     /// left out. Points within rounding of the water's level are put onto it.
     pub fn append(&self, to: &mut Mesh, place: DAffine3, level: f64, object: u32) -> usize {
         let first = to.positions.len() as u32;
-        let normal_matrix = normal_matrix(place.matrix3);
-        for (index, &position) in self.positions.iter().enumerate() {
-            let mut at = place.transform_point3(position);
-            if (at.z - level).abs() < 1e-9 * (1.0 + level.abs()) {
-                at.z = level;
-            }
-            // −0 and 0 are one place; one of them keeps equal points equal bit for bit.
-            to.positions.push((at + 0.0).as_vec3());
-            let normal = self.normals.get(index).copied().unwrap_or(DVec3::Z);
-            let normal = (normal_matrix * normal).normalize_or(DVec3::Z);
+        for (position, normal) in self.placed(place) {
+            to.positions.push(rounded(position, level));
             to.normals.push(normal.as_vec3().normalize());
         }
         let before = to.triangles.len();

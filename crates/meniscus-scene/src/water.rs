@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::{Scene, Water, WaterGeometry, Wave};
+use crate::{Water, WaterGeometry, Wave};
 
 impl Water {
     /// Height of the waves above the rest plane at a point of it, metres; the geometry setting
@@ -78,17 +78,6 @@ impl Wave {
     /// The sine's argument, radians.
     fn angle(&self, xy: DVec2, time: f64) -> f64 {
         self.wave_vector.dot(xy) - self.angular_frequency * time + self.phase
-    }
-}
-
-impl Scene {
-    /// The same scene at another time, seconds. The mesh is copied; where it is large and the
-    /// scene is at hand, assign `scene.water.time`, which is all that differs.
-    #[must_use]
-    pub fn at_time(&self, time: f64) -> Self {
-        let mut scene = self.clone();
-        scene.water.time = time;
-        scene
     }
 }
 

@@ -30,6 +30,7 @@ fn all_scenes_are_sound() {
         "grazing",
         "deep",
         "coarse",
+        "moving",
     ] {
         assert!(names.contains(&name), "{name} is not among {names:?}");
     }

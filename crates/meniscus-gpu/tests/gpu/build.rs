@@ -183,6 +183,7 @@ pub fn plan(
         passes,
         output,
         shown: None,
+        within_px: 0.0,
     }
 }
 
@@ -226,6 +227,7 @@ pub fn scene(triangles: &[[[f32; 3]; 3]]) -> Scene {
                 })
                 .collect(),
         },
+        moving: meniscus_scene::Moving::default(),
         water: Water {
             level: 0.0,
             refractive_index: 1.333,

@@ -142,6 +142,7 @@ pub fn scene() -> Scene {
             pattern: Pattern::Plain,
         }],
         mesh: Mesh::default(),
+        moving: meniscus_scene::Moving::default(),
         water: Water {
             level: 0.0,
             refractive_index: 1.333,

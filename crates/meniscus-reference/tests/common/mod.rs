@@ -157,6 +157,7 @@ pub fn pool(geometry: WaterGeometry, rms_slope: f64) -> Scene {
             .collect(),
         materials: vec![tiles, plain],
         mesh,
+        moving: meniscus_scene::Moving::default(),
         water: Water {
             level: 0.0,
             refractive_index: 1.333,
