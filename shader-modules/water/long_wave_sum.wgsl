@@ -3,7 +3,7 @@
 //
 // provides: surface
 // needs: water/shape, water/wave
-// domain: surface(at -1e3 to 1e3 from 1e-6)
+// domain: surface(at -1e4 to 1e4 from 1e-6)
 
 var<storage, read> waves: array<Wave>;
 

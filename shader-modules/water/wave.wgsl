@@ -2,7 +2,7 @@
 //
 // needs: water/shape, water/sine
 // domain: Wave(wave_vector -20 to 20 from 1e-3, amplitude 0 to 1, phase 0 to 6.2831)
-// domain: with_wave(at -1e3 to 1e3 from 1e-6)
+// domain: with_wave(at -1e4 to 1e4 from 1e-6)
 
 // `wave_vector`: k, 1/m; `amplitude`: A, metres; `phase`: φ, radians.
 struct Wave {

@@ -3,7 +3,7 @@
 //
 // provides: surface
 // needs: water/body, water/shape, water/wave
-// domain: surface(at -1e3 to 1e3 from 1e-6)
+// domain: surface(at -1e4 to 1e4 from 1e-6)
 
 // The terms that the block of the water has room for.
 const MOST_WAVES = 64u;
