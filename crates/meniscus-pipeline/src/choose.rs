@@ -11,7 +11,7 @@ use crate::file::Over;
 use crate::pipeline::{Pass, PassOver, Pipeline};
 use crate::plan::{Geometry, Pruning};
 use crate::rules::{Dropped, Rule};
-use crate::shortcut::Taken;
+use crate::shortcut::{Taken, decimal};
 
 /// What is decided of a pipeline's passes, before anything is composed.
 #[derive(Debug, Default)]
@@ -22,6 +22,8 @@ pub(crate) struct Choice<'p> {
     pub replaced: BTreeMap<&'p str, &'p str>,
     /// Why others are not.
     pub not_taken: BTreeMap<String, String>,
+    /// By how many pixels what is shown may move, with all of them taken.
+    pub within_px: f64,
 }
 
 /// Decides on passes. `barred`: shortcuts that cannot be taken, and why.
@@ -53,6 +55,8 @@ pub(crate) fn choose<'p>(
             }
             Taken::Yes { within_px, because } => {
                 taken.insert(name.as_str());
+                // One may move what the other has moved already.
+                choice.within_px = decimal(choice.within_px + within_px);
                 for pass in &shortcut.instead_of {
                     let because = format!("{because}; `{name}` runs instead");
                     let mut dropped = Dropped::exactly(&pass.value, Rule::Shortcut, because);

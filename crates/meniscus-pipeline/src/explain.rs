@@ -20,7 +20,7 @@ pub struct Explanation {
     pub about: String,
     /// Width and height of the frame, pixels.
     pub size: [u32; 2],
-    /// By how much of a pixel what is shown may move, at most.
+    /// By how many pixels what is shown may move, at most: see [`Plan::within_px`].
     pub within_px: f64,
     /// What is known.
     pub facts: Vec<FactSaid>,
@@ -202,12 +202,11 @@ impl Explanation {
             whole: &whole,
             decisions: &decisions,
         };
-        let within = decisions.dropped.iter().map(|dropped| dropped.within_px);
         Ok(Self {
             pipeline: pipeline.name.clone(),
             about: pipeline.about.clone(),
             size: outlook.size.to_array(),
-            within_px: within.fold(0.0, f64::max),
+            within_px: plan.within_px,
             facts: facts_said(&facts, outlook),
             passes: said.passes(),
             shortcuts: said.shortcuts(),

@@ -7,6 +7,8 @@ use std::sync::Arc;
 use meniscus_shader::Shader;
 use serde::Deserialize;
 
+use crate::cull::Appears;
+
 /// A frame's passes in order, and what lies between them.
 #[derive(Debug, Clone)]
 pub struct Plan {
@@ -26,6 +28,9 @@ pub struct Plan {
     /// The texture with the world point (xyz) and object id (w, −1 for none) of which the colour
     /// is displayed; only in plans made for it.
     pub shown: Option<String>,
+    /// By how many pixels of the frame what is shown may move because of what was left out, at most:
+    /// what the shortcuts that are taken may move it, together. 0: no bit of any output changes.
+    pub within_px: f64,
 }
 
 /// A texture between passes.
@@ -148,6 +153,8 @@ pub struct PlannedPass {
     pub view_target: Size,
     /// The view with which the textures that are read were drawn: `view_seen` in the shader.
     pub view_seen: Size,
+    /// Where points appear that it draws; none where that is not known.
+    pub appears: Option<Appears>,
 }
 
 /// What a pass runs over.

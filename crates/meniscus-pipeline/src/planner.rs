@@ -90,6 +90,7 @@ impl Plan {
             planner.check_output();
             planner.check_lists();
             let mut plan = planner.finish(shown)?;
+            plan.within_px = choice.within_px;
             let mut decisions = Decisions {
                 dropped: choice.passes.into_iter().filter_map(|(_, d)| d).collect(),
                 not_taken: choice.not_taken,
@@ -250,6 +251,7 @@ impl<'p> Planner<'p> {
             passes: self.passes,
             output: self.pipeline.output.value.clone(),
             shown: shown.then(|| format!("{}{SHOWN}", self.pipeline.output.value)),
+            within_px: 0.0,
         };
         self.report.into_result(plan)
     }

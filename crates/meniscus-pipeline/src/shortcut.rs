@@ -137,11 +137,15 @@ impl Shortcut {
             within_px += most;
         }
         Ok(Taken::Yes {
-            // Without the last bits that a sum of decimal fractions has.
-            within_px: (within_px * 1e6).round() / 1e6,
+            within_px: decimal(within_px),
             because: because.join(", "),
         })
     }
+}
+
+/// A sum of decimal fractions without the last bits that it has in binary.
+pub(crate) fn decimal(sum: f64) -> f64 {
+    (sum * 1e6).round() / 1e6
 }
 
 /// Why a filling may change something; none where it does not. `most`: the largest bound of the

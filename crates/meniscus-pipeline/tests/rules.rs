@@ -297,6 +297,31 @@ fn a_shortcut_moves_as_much_as_its_slots_together_and_each_as_its_largest_module
 }
 
 #[test]
+fn what_several_shortcuts_move_adds_up() {
+    let reads = "reads: { \"seen\": \"other\" }, slots: { \"fetch\": \"screen/same\" }";
+    let fetch = FETCH.replace("screen/texel", "screen/same");
+    let deep = FAR.replace("\"far\"", "\"deep\"");
+    let deep = deep.replace("\"seen\"", "\"other\"");
+    let other = FETCH.replace("\"fetch\", skel", "\"second\", skel");
+    let other = other.replace("slots: { \"fetch\": \"screen/texel\" }", reads);
+    let short = SHORT
+        .replace("\"short\"", "\"shorter\"")
+        .replace("\"straight\"", "\"straighter\"")
+        .replace("\"far\"", "\"deep\"")
+        .replace("\"fetch\"]", "\"second\"]")
+        .replace("fetch.fetch", "second.fetch");
+    let steps = format!("{NEAR}{FAR}{fetch}{deep}{other}{SHORT}{short}");
+    let moves = |facts: &[&str], pruning| plan(&steps, facts, pruning).unwrap().within_px;
+    assert_eq!(
+        left(&steps, &[], Pruning::Approximate),
+        ["near", "straight", "straighter"]
+    );
+    assert_eq!(moves(&[], Pruning::Approximate), 0.5);
+    assert_eq!(moves(&[], Pruning::Exact), 0.0);
+    assert_eq!(moves(&["waves"], Pruning::Approximate), 0.0);
+}
+
+#[test]
 fn a_shortcut_wants_the_fillings_that_it_names() {
     let steps = format!("{NEAR}{FAR}{FETCH}{SHORT}").replace("screen/texel", "screen/same");
     let shade = "geometry: FarSide,\n    slots: { \"shade\": \"shading/bright\" },";
