@@ -14,7 +14,9 @@ struct Wave {
 // A shape with a wave added to it, at a place of the rest plane (metres).
 fn with_wave(shape: Shape, wave: Wave, at: vec2f) -> Shape {
     let k = wave.wave_vector;
-    let circle = wave.amplitude * cosine_and_sine(dot(k, at) + wave.phase);
+    // In this order drivers that rearrange sums (`dot(k, at) + phase`) leave it as it is.
+    let angle = k.x * at.x + (k.y * at.y + wave.phase);
+    let circle = wave.amplitude * cosine_and_sine(angle);
     let along = circle.y * k;
     return Shape(
         shape.height + circle.y,
