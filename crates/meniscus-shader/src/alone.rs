@@ -64,7 +64,7 @@ impl Composer {
         let module = library.find(path, None)?;
         let instances = instance::resolve(library, module, None, slots, BTreeMap::new(), facts)?;
         let written = text::write_module(&instances)?;
-        let names: Names = name_all(&instances).pop().unwrap_or_default();
+        let names: Names = name_all(&instances).0.pop().unwrap_or_default();
         let (ir, info) = ir::check(&written, library)?;
         let functions = module
             .functions()

@@ -8,7 +8,7 @@ use meniscus_source::{Diagnostic, Place, Report};
 
 use crate::compose::{Composer, Output, Recipe, Stage};
 use crate::library::{Library, Module, Role};
-use crate::outline::{Item, ItemKind};
+use crate::outline::{Item, ItemKind, Outline};
 use crate::{instance, ir, numbers, text};
 
 impl Composer {
@@ -115,8 +115,8 @@ fn unused_needs(library: &Library, module: &Module) -> Report {
     let used: BTreeSet<&str> = outline
         .items
         .iter()
-        .flat_map(|item| &item.spellings)
-        .map(|&index| &module.file.text[outline.tokens[index].range.clone()])
+        .flat_map(|item| Outline::spelt(&module.file.text, item))
+        .map(|(word, _)| word)
         .collect();
     let is_used = |needed: &Module| {
         let mut items = needed.outline.items.iter();

@@ -11,6 +11,7 @@
 //! // number tilt: 0 to 2 rad, live
 //! // domain: …
 //! // identity when not waves: within 0.1 px
+//! // appears: on its vertical
 //! ```
 
 mod lines;
@@ -50,6 +51,8 @@ pub struct Header {
     pub when: Vec<When>,
     /// When it changes nothing: a pass whose fillings all say so shows what it was given to look at.
     pub identity: Option<Identity>,
+    /// Where the points that it moves appear; for a drawing skeleton also `as SLOT says`.
+    pub appears: Option<Name>,
 }
 
 /// A name and where it stands.
@@ -196,6 +199,7 @@ impl Header {
                     })?);
                 }
             }
+            ("appears", true) => self.appears = Some(first()?),
             ("domain", true) => self.domain.push(value.trim().to_owned()),
             ("number", false) => {
                 let name = part(file, rest, rest_start);

@@ -6,9 +6,10 @@
 mod needs;
 mod slots;
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
 use meniscus_source::{Place, Report};
+use rustc_hash::FxHashMap as HashMap;
 
 use crate::filling::Filling;
 use crate::header::SlotUse;
@@ -48,7 +49,7 @@ pub(crate) struct Scope<'r> {
     role: Vec<String>,
     reads: BTreeMap<String, String>,
     /// The filling that this is the inside of.
-    key: Option<(usize, String)>,
+    key: Option<(usize, &'r str)>,
 }
 
 /// Instances in the order they were needed; the skeleton is the last.
@@ -63,7 +64,12 @@ pub(crate) struct Instances<'l> {
 }
 
 /// What decides an instance that has no numbers of its own: module, slot, reads, slots and needs.
-type Shape = (String, Option<String>, BTreeMap<String, String>, Vec<usize>);
+type Shape<'l> = (
+    &'l str,
+    Option<&'l str>,
+    BTreeMap<String, String>,
+    Vec<usize>,
+);
 
 pub(crate) struct Resolver<'l, 'r> {
     pub library: &'l Library,
@@ -71,16 +77,16 @@ pub(crate) struct Resolver<'l, 'r> {
     pub scopes: Vec<Scope<'r>>,
     pub instances: Vec<Instance<'l>>,
     /// Instances without numbers of their own, which stand once however often they are wanted.
-    shapes: HashMap<Shape, usize>,
+    shapes: HashMap<Shape<'l>, usize>,
     /// Needed modules by path and scope.
-    needed: HashMap<(String, usize), usize>,
+    needed: HashMap<(&'l str, usize), usize>,
     /// Filled slots by scope and name; none while they are being resolved, or when they failed.
-    filled: HashMap<(usize, String), Filled>,
+    filled: HashMap<(usize, &'r str), Filled>,
     /// Slots filled by default, by path and scope.
-    defaults: HashMap<(String, usize), usize>,
+    defaults: HashMap<(&'l str, usize), usize>,
     /// Slots whose default is being resolved.
-    defaulting: Vec<String>,
-    needing: Vec<String>,
+    defaulting: Vec<&'l str>,
+    needing: Vec<&'l str>,
     depth: usize,
     pub report: Report,
 }
@@ -194,10 +200,10 @@ impl<'l, 'r> Resolver<'l, 'r> {
                 key: None,
             }],
             instances: Vec::new(),
-            shapes: HashMap::new(),
-            needed: HashMap::new(),
-            filled: HashMap::new(),
-            defaults: HashMap::new(),
+            shapes: HashMap::default(),
+            needed: HashMap::default(),
+            filled: HashMap::default(),
+            defaults: HashMap::default(),
             defaulting: Vec::new(),
             needing: Vec::new(),
             depth: 0,
@@ -222,18 +228,18 @@ impl<'l, 'r> Resolver<'l, 'r> {
             .map(|(_, i)| *i)
             .chain(needs.iter().copied())
             .collect();
-        let shape = (
-            module.path.clone(),
-            slot.map(|s| s.path.clone()),
-            reads.clone(),
-            parts,
-        );
         // Every filling has numbers of its own; a default has the defaults everywhere.
         let numbers = slot.is_some() && module.numbers().next().is_some();
         let (shareable, place) = match asked {
             Asked::ByDefault => (true, None),
             Asked::At(place) => (!numbers, place),
         };
+        let shape: Shape = (
+            module.path.as_str(),
+            slot.map(|s| s.path.as_str()),
+            reads.clone(),
+            parts,
+        );
         if let Some(&there) = self.shapes.get(&shape).filter(|_| shareable) {
             return there;
         }

@@ -10,6 +10,7 @@ use crate::library::Library;
 use crate::numbers::LIVE_NUMBERS;
 use crate::shader::{Binding, BindingKind, LiveNumber, Sample, Shader};
 use crate::text::Written;
+use crate::used::all_used;
 
 /// naga's parser recurses; texts that nest deeply are given a stack that they cannot exhaust within
 /// the length of chain that is let through.
@@ -181,7 +182,9 @@ fn validate(
 /// names, and validates.
 fn finish(written: &mut Written, library: &Library) -> Result<(Finished, Vec<String>), Report> {
     let (mut module, unread) = parse_needed(written, library)?;
-    naga::compact::compact(&mut module, naga::compact::KeepUnused::No);
+    if !all_used(&module) {
+        naga::compact::compact(&mut module, naga::compact::KeepUnused::No);
+    }
     bind(&mut module);
     let info = validate(&module, ValidationFlags::all(), written, library)?;
     let stages = stages(&module, &info);

@@ -28,6 +28,7 @@ mod shader;
 mod signature;
 mod template;
 mod text;
+mod used;
 
 pub use alone::Alone;
 pub use compose::{Composer, Output, Recipe, Stage};

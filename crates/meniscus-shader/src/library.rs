@@ -1,14 +1,15 @@
 //! All modules that are known, by their paths.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
 use meniscus_source::{Diagnostic, Place, Report, SourceFile};
+use rustc_hash::FxHashSet;
 
 use crate::header::{Header, Name};
 use crate::names::slot_function;
-use crate::outline::{Item, ItemKind, Outline};
+use crate::outline::{Item, ItemKind, MAX_LENGTH, Outline};
 
 /// The folder of slot files.
 const SLOTS: &str = "slots/";
@@ -52,6 +53,14 @@ impl Module {
             header_range,
             outline: Outline::of(&file.text),
         };
+        if file.text.len() > MAX_LENGTH {
+            let size = format!("`{path}` is larger than {} MiB", MAX_LENGTH >> 20);
+            report.add(
+                Diagnostic::error(size)
+                    .at(&module.place(0..0), "not read")
+                    .with_help("a module is a few functions: split it"),
+            );
+        }
         module.check_purity(report);
         module.check_outline(report);
         module
@@ -259,7 +268,7 @@ impl Library {
 
     /// A module and all that it needs, directly or not.
     pub(crate) fn closure<'l>(&'l self, module: &'l Module) -> Vec<&'l Module> {
-        let mut seen = BTreeSet::from([module.path.as_str()]);
+        let mut seen = FxHashSet::from_iter([module.path.as_str()]);
         let mut all = vec![module];
         let mut next = 0;
         while let Some(module) = all.get(next).copied() {

@@ -6,13 +6,15 @@
 //! WGSL itself declares its name, and when another instance of its module has an item of that name
 //! that is not the same.
 
-use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
+use std::collections::BTreeMap;
 use std::rc::Rc;
+
+use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 
 use crate::instance::{Instance, Instances};
 use crate::library::Module;
 use crate::numbers::LIVE_NUMBERS;
-use crate::outline::{Item, ItemKind};
+use crate::outline::{Item, ItemKind, Outline, Spelling};
 use crate::predeclared::{is_entry, is_predeclared};
 
 /// The names of one instance: what it writes → what stands in the shader.
@@ -30,12 +32,19 @@ pub(crate) fn slot_function(slot: &Module, function: &str, own: &str) -> String 
     }
 }
 
-/// Names for everything that every instance writes.
-pub(crate) fn name_all(instances: &Instances) -> Vec<Names> {
+/// Names for everything that every instance writes; and, for each that was changed, what was
+/// written.
+pub(crate) fn name_all(instances: &Instances) -> (Vec<Names>, BTreeMap<String, String>) {
+    let mut seen = HashSet::default();
     let mut namer = Namer {
-        written: words(instances),
+        firsts: instances
+            .all
+            .iter()
+            .filter(|instance| seen.insert(instance.module.path.as_str()))
+            .collect(),
         made: HashSet::default(),
         connected: HashMap::default(),
+        originals: BTreeMap::new(),
     };
     let mut copies: HashMap<&str, Vec<usize>> = HashMap::default();
     let mut all: Vec<Names> = Vec::new();
@@ -45,31 +54,7 @@ pub(crate) fn name_all(instances: &Instances) -> Vec<Names> {
         others.push(index);
         all.push(names);
     }
-    all
-}
-
-/// All words of all modules but the names by which they call slots: no name that is made up may be
-/// one of them, lest a local variable hide it.
-fn words<'i>(instances: &'i Instances) -> HashSet<&'i str> {
-    let mut found = HashSet::default();
-    let mut seen = HashSet::default();
-    for instance in &instances.all {
-        if !seen.insert(&instance.module.path) {
-            continue;
-        }
-        let called: HashSet<String> = slot_functions(instances, instance)
-            .map(|(own, ..)| own)
-            .collect();
-        let outline = &instance.module.outline;
-        let text = &instance.module.file.text;
-        for &word in outline.items.iter().flat_map(|item| &item.spellings) {
-            let word = &text[outline.tokens[word].range.clone()];
-            if !called.contains(word) {
-                found.insert(word);
-            }
-        }
-    }
-    found
+    (all, namer.originals)
 }
 
 /// What an instance calls of its slots: its name for it, the filling, and the filling's own name.
@@ -92,12 +77,14 @@ fn slot_functions<'i>(
 }
 
 struct Namer<'i> {
-    /// Words that some module writes.
-    written: HashSet<&'i str>,
+    /// An instance of each module.
+    firsts: Vec<&'i Instance<'i>>,
     /// Names that were made up.
     made: HashSet<Rc<str>>,
     /// Names of variables by what was written and what they are connected to.
     connected: HashMap<(String, String), Rc<str>>,
+    /// For each name that was changed, what was written.
+    originals: BTreeMap<String, String>,
 }
 
 impl Namer<'_> {
@@ -108,7 +95,9 @@ impl Namer<'_> {
         all: &[Names],
         others: &[usize],
     ) -> Names {
-        let mut imported = Names::default();
+        let needed = instance.needs.iter().map(|&needed| all[needed].len());
+        let count = needed.sum::<usize>() + instance.module.outline.items.len();
+        let mut imported = Names::with_capacity_and_hasher(count, Default::default());
         for &needed in &instance.needs {
             imported.extend(all[needed].iter().map(|(k, v)| (k.clone(), v.clone())));
         }
@@ -121,6 +110,9 @@ impl Namer<'_> {
         // An instance's own items hide what is needed, and its slots both.
         for item in &instance.module.outline.items {
             names.remove(item.name.as_str());
+        }
+        for (written, name) in &called {
+            self.keep_original(written, name);
         }
         names.extend(called);
         let items = &instance.module.outline.items;
@@ -141,15 +133,34 @@ impl Namer<'_> {
         for item in items {
             own.entry(&item.name).or_insert_with(|| match others.len() {
                 0 if !is_predeclared(&item.name) && !is_entry(&item.name) => Rc::from(&*item.name),
-                0 => self.fresh(&format!("{}_", item.name)),
-                copies => self.fresh(&format!("{}_{}", item.name, copies + 1)),
+                0 => self.fresh(&format!("{}_", item.name), instances),
+                copies => self.fresh(&format!("{}_{}", item.name, copies + 1), instances),
             });
+        }
+        for (written, name) in &own {
+            self.keep_original(written, name);
         }
         names.extend(
             own.into_iter()
                 .map(|(written, name)| (Rc::from(written), name)),
         );
         names
+    }
+
+    fn keep_original(&mut self, written: &str, name: &str) {
+        if written == name {
+            return;
+        }
+        // naga speaks of the member alone.
+        let name = name.rsplit('.').next().unwrap_or(name);
+        match self.originals.get_mut(name) {
+            // Several callers may have names of their own for it: take the same one every time.
+            Some(known) if *written < **known => *known = written.to_owned(),
+            Some(_) => {}
+            None => {
+                self.originals.insert(name.to_owned(), written.to_owned());
+            }
+        }
     }
 
     /// The name of an item that does not depend on other instances of its module.
@@ -167,7 +178,7 @@ impl Namer<'_> {
                 Some(if wanted == *name && !is_predeclared(name) {
                     wanted.into()
                 } else {
-                    self.fresh(&wanted)
+                    self.fresh(&wanted, instances)
                 })
             }
             (ItemKind::Variable { .. }, _) => {
@@ -183,7 +194,7 @@ impl Namer<'_> {
                 if let Some(known) = self.connected.get(&key) {
                     return Some(known.clone());
                 }
-                let made = self.fresh(&format!("{name}_from_{}", identifier(&key.1)));
+                let made = self.fresh(&format!("{name}_from_{}", identifier(&key.1)), instances);
                 self.connected.insert(key, made.clone());
                 Some(made)
             }
@@ -193,12 +204,12 @@ impl Namer<'_> {
                 Some(self.member(&role, name))
             }
             (ItemKind::Override { .. }, _) if !role.is_empty() => {
-                Some(self.fresh(&format!("{role}_{name}")))
+                Some(self.fresh(&format!("{role}_{name}"), instances))
             }
             (ItemKind::Constant { .. }, Some(_))
                 if instance.module.header.number(name).is_some() =>
             {
-                Some(self.fresh(&format!("{role}_{name}")))
+                Some(self.fresh(&format!("{role}_{name}"), instances))
             }
             (ItemKind::Assertion, _) => Some(format!("{} {name}", instance.module.path).into()),
             _ => None,
@@ -220,14 +231,24 @@ impl Namer<'_> {
         member
     }
 
+    /// Whether a module writes a word, other than as the name by which it calls a slot: no name that
+    /// is made up may be one of those, lest a local variable hide it.
+    fn is_written(&self, word: &str, instances: &Instances) -> bool {
+        self.firsts.iter().any(|instance| {
+            let module = instance.module;
+            module.outline.has_word(&module.file.text, word)
+                && !slot_functions(instances, instance).any(|(own, ..)| own == word)
+        })
+    }
+
     /// A name that nothing else has.
-    fn fresh(&mut self, wanted: &str) -> Rc<str> {
+    fn fresh(&mut self, wanted: &str, instances: &Instances) -> Rc<str> {
         let mut name = wanted.to_owned();
         let mut number = 2;
         while is_predeclared(&name)
             || is_entry(&name)
-            || self.written.contains(name.as_str())
             || self.made.contains(name.as_str())
+            || self.is_written(&name, instances)
         {
             name = format!("{wanted}_{number}");
             number += 1;
@@ -256,15 +277,13 @@ fn same_items<'i>(
     loop {
         let before = same.len();
         for item in &outline.items {
-            let differs = |index: &usize| {
-                let word = &text[outline.tokens[*index].range.clone()];
-                match (own.get(word), instance.module.item(word)) {
+            let differs =
+                |(word, _): (&str, Spelling)| match (own.get(word), instance.module.item(word)) {
                     (Some(name), _) => other.get(word) != Some(name),
                     (None, Some(_)) => !same.contains(word),
                     (None, None) => other.get(word) != imported.get(word),
-                }
-            };
-            if same.contains(item.name.as_str()) && item.spellings.iter().any(differs) {
+                };
+            if same.contains(item.name.as_str()) && Outline::spelt(text, item).any(differs) {
                 same.remove(item.name.as_str());
             }
         }

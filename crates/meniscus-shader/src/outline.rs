@@ -8,10 +8,10 @@ use std::ops::Range;
 
 use brackets::{inside, item_end, skip_attributes};
 use types::{declared_type, fields, function, join};
-use words::{Spellings, longest_chain, words};
+use words::{Filter, Spellings, longest_chain, words};
 
 use crate::lexer::{Kind, Token, tokens};
-pub(crate) use types::without_aliases;
+pub(crate) use types::{type_words, without_aliases};
 
 /// A text and what it declares.
 #[derive(Debug)]
@@ -22,6 +22,8 @@ pub(crate) struct Outline {
     pub directives: Vec<Range<usize>>,
     /// What is neither a declaration nor a directive.
     pub strays: Vec<Range<usize>>,
+    /// The words of all items.
+    filter: Filter,
 }
 
 /// One declaration.
@@ -37,10 +39,35 @@ pub(crate) struct Item {
     /// Those of the tokens that are names of items, of locals, or of WGSL's own things: not members,
     /// not attributes.
     pub words: Vec<usize>,
-    /// The first of the `words` of each spelling.
-    pub spellings: Vec<usize>,
+    /// The `words`, each spelling once.
+    pub spellings: Vec<Spelling>,
     /// Its longest chain, on which a parser recurses, and the token where it is reached.
     pub chain: (usize, usize),
+}
+
+/// A word of an item. There are many, and composition reads them all, so they are small.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Spelling {
+    /// Where it stands first; see [`MAX_LENGTH`].
+    start: u32,
+    end: u32,
+    /// Whether an opening bracket follows some of them: a function is mentioned in no other way.
+    pub called: bool,
+}
+
+impl Spelling {
+    fn new(range: &Range<usize>, called: bool) -> Self {
+        Self {
+            start: range.start as u32,
+            end: range.end as u32,
+            called,
+        }
+    }
+
+    /// The word, in the text that it was found in.
+    pub fn of(self, text: &str) -> &str {
+        &text[self.start as usize..self.end as usize]
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -71,13 +98,18 @@ pub(crate) struct Field {
     pub ty: String,
 }
 
+/// The longest text of which an outline is made, in bytes; of a longer one, it is empty.
+pub(crate) const MAX_LENGTH: usize = 16 << 20;
+
 impl Outline {
     pub fn of(text: &str) -> Self {
+        let text = if text.len() > MAX_LENGTH { "" } else { text };
         let mut outline = Self {
             tokens: tokens(text),
             items: Vec::new(),
             directives: Vec::new(),
             strays: Vec::new(),
+            filter: Filter::default(),
         };
         let mut spellings = Spellings::new(outline.tokens.len());
         let mut start = 0;
@@ -86,11 +118,23 @@ impl Outline {
             outline.add(text, start, end, &mut spellings);
             start = end;
         }
+        outline.filter = spellings.filter;
         outline
+    }
+
+    /// Whether an item has a word.
+    pub fn has_word(&self, text: &str, word: &str) -> bool {
+        let mut words = self.items.iter().flat_map(|item| &item.spellings);
+        self.filter.may_hold(word) && words.any(|spelling| spelling.of(text) == word)
     }
 
     pub fn item(&self, name: &str) -> Option<&Item> {
         self.items.iter().find(|item| item.name == name)
+    }
+
+    /// The words of an item, each spelling once.
+    pub fn spelt<'t>(text: &'t str, item: &'t Item) -> impl Iterator<Item = (&'t str, Spelling)> {
+        item.spellings.iter().map(|s| (s.of(text), *s))
     }
 
     /// Names that an item declares within: parameters and local variables.

@@ -10,7 +10,7 @@ use naga::{ArraySize, Handle, Type, TypeInner};
 
 use crate::ir;
 use crate::library::{Library, Module};
-use crate::outline::{Item, ItemKind, without_aliases};
+use crate::outline::{Item, ItemKind, Outline, type_words, without_aliases};
 use crate::text::MAX_CHAIN;
 
 /// The message about a function of a module that has not the types of the slot's; none where it has
@@ -122,7 +122,7 @@ impl<'l> Written<'l> {
         let mut text = String::new();
         let mut chain = self.item.chain.0;
         let mut seen = BTreeSet::new();
-        let mut open: Vec<&str> = self.types().flat_map(words).collect();
+        let mut open: Vec<&str> = self.types().flat_map(type_words).collect();
         while let Some(word) = open.pop() {
             let Some((owner, item)) = find(&self.closure, word).filter(|_| seen.insert(word))
             else {
@@ -137,9 +137,8 @@ impl<'l> Written<'l> {
             text.push_str(&owner.file.text[item.range.clone()]);
             text.push('\n');
             chain = chain.max(item.chain.0);
-            let tokens = &owner.outline.tokens;
-            let mentioned = item.spellings.iter().map(|&index| &tokens[index].range);
-            open.extend(mentioned.map(|range| &owner.file.text[range.clone()]));
+            let mentioned = Outline::spelt(&owner.file.text, item);
+            open.extend(mentioned.map(|(word, _)| word));
         }
         text.push_str("fn signature(");
         for (number, (_, ty)) in self.parameters.iter().enumerate() {
@@ -178,7 +177,7 @@ fn difference(ours: &Written, theirs: &Written) -> Option<(String, Option<Range<
         let (ours, theirs) = (ours.owner(word), theirs.owner(word));
         ours.map(|m| &m.path) == theirs.map(|m| &m.path)
     };
-    if same_words && ours.types().flat_map(words).all(same_meaning) {
+    if same_words && ours.types().flat_map(type_words).all(same_meaning) {
         return None;
     }
     let (one, other) = (ours.parameters.len(), theirs.parameters.len());
@@ -206,7 +205,7 @@ fn difference(ours: &Written, theirs: &Written) -> Option<(String, Option<Range<
     let (number, (a, b)) = types.find(|(number, _)| !equal(*number))?;
     let named = |ty: &str, written: &Written| {
         // Structs of one name are told apart by who declares them.
-        let owner = words(ty).find_map(|word| written.owner(word));
+        let owner = type_words(ty).find_map(|word| written.owner(word));
         match owner.filter(|_| a == b) {
             Some(owner) => format!("the `{ty}` of `{}`", owner.path),
             None if ty.is_empty() => "nothing".to_owned(),
@@ -260,12 +259,6 @@ fn same((m, a): (&naga::Module, Handle<Type>), (n, b): (&naga::Module, Handle<Ty
         ) => space == there && same((m, *base), (n, *other)),
         (one, other) => one == other,
     }
-}
-
-/// The names in a type.
-fn words(ty: &str) -> impl Iterator<Item = &str> {
-    ty.split(|c: char| !(c.is_alphanumeric() || c == '_'))
-        .filter(|word| word.starts_with(|c: char| c.is_alphabetic() || c == '_'))
 }
 
 /// An item by its name, and who declares it, the closest first.

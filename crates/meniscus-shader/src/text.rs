@@ -12,14 +12,13 @@ use rustc_hash::FxHashSet as HashSet;
 
 use crate::entry;
 use crate::instance::{Instance, Instances, variables};
-use crate::lexer::tokens;
 use crate::library::Module;
 use crate::names::{Names, name_all};
 use crate::numbers::{Bounds, LIVE_NUMBERS, LIVE_TYPE, literal};
 use crate::outline::{Item, ItemKind, Outline};
 use crate::shader::LiveNumber;
 pub(crate) use parts::MAX_CHAIN;
-use parts::{collect, reach, too_long};
+use parts::{Mention, Named, collect, reach, too_long};
 pub(crate) use source::Source;
 
 /// A shader's text, before naga has seen it.
@@ -59,15 +58,15 @@ pub(crate) struct Written {
 /// # Errors
 /// When two modules declare one name, or one uses a name without needing who declares it.
 pub(crate) fn write(instances: &Instances, entry: entry::Written) -> Result<Written, Report> {
-    let reached_first = tokens(&entry.text)
-        .into_iter()
-        .map(|t| &entry.text[t.range])
-        .collect();
+    let outline = Outline::of(&entry.text);
+    let items = outline.items.iter();
+    let mentions = items.flat_map(|item| Outline::spelt(&entry.text, item));
+    let reached_first = mentions.map(|(word, s)| (word, s.called)).collect();
     let mut written = concatenate(instances, Some(reached_first))?;
     written.source.text.push_str("// ---- entry points\n");
     let start = written.source.text.len();
     written.source.text.push_str(&entry.text);
-    for item in Outline::of(&entry.text).items {
+    for item in outline.items {
         if matches!(item.kind, ItemKind::Variable { .. }) {
             written
                 .variables
@@ -91,15 +90,15 @@ pub(crate) fn write_module(instances: &Instances) -> Result<Written, Report> {
 }
 
 /// Writes what is reached from the open names, or from all of the last instance's.
-fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written, Report> {
-    let names = name_all(instances);
+fn concatenate(instances: &Instances, open: Option<Vec<Mention>>) -> Result<Written, Report> {
+    let (names, originals) = name_all(instances);
     let mut report = Report::default();
     let all = collect(instances, &names, &mut report);
     report.into_result(())?;
     let last = || {
         all.last()
             .into_iter()
-            .flat_map(|part| part.items.iter().map(|(name, _)| *name))
+            .flat_map(|part| part.items.iter().map(|named| (named.name, true)))
             .collect()
     };
     let reached = reach(&all, open.unwrap_or_else(last));
@@ -108,7 +107,8 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
     let mut directives = BTreeSet::new();
     for part in all
         .iter()
-        .filter(|part| part.items.iter().any(|(name, _)| reached.contains(name)))
+        .filter(|part| !part.directives.is_empty())
+        .filter(|part| part.items.iter().any(|named| reached.contains(named.name)))
     {
         for place in &part.directives {
             if directives.insert(place.text().split_whitespace().collect::<String>()) {
@@ -129,9 +129,9 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
         let mut wanted: Vec<_> = part
             .items
             .iter()
-            .filter(|(name, _)| reached.contains(name) && written.insert(*name))
+            .filter(|named| reached.contains(named.name) && written.insert(named.name))
             .collect();
-        wanted.retain(|(name, item)| {
+        wanted.retain(|Named { name, item, .. }| {
             let number = instances.live.then(|| live_number(instance, item, name));
             let number = number.flatten();
             let stays = number.is_none();
@@ -146,23 +146,23 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
             false => format!(" ({})", instance.role.join(".")),
         };
         let _ = writeln!(source.text, "// ---- {}{role}", instance.module.path);
-        for (_, item) in wanted {
+        for named in wanted {
+            let item = named.item;
             chain = chain.max(item.chain.0);
             if item.chain.0 > MAX_CHAIN {
                 report.add(too_long(instance.module, item));
             }
             let before = source.text.len();
-            let start = copy_item(&mut source, instance, item, &names[index]);
+            let start = copy_item(&mut source, instance, named, &names[index]);
             if matches!(item.kind, ItemKind::Variable { .. }) {
-                variable_starts.push((start, names[index][item.name.as_str()].to_string()));
+                variable_starts.push((start, named.name.to_owned()));
             }
             source.text.push_str("\n\n");
             if matches!(
                 item.kind,
                 ItemKind::Function { .. } | ItemKind::Variable { .. }
             ) {
-                let name = names[index][item.name.as_str()].to_string();
-                items.push((before..source.text.len(), name));
+                items.push((before..source.text.len(), named.name.to_owned()));
             }
         }
     }
@@ -176,7 +176,6 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
     resources.insert(LIVE_NUMBERS.to_owned(), LIVE_NUMBERS.to_owned());
     let mut declarations = BTreeMap::new();
     let mut overrides = BTreeMap::new();
-    let mut originals = BTreeMap::new();
     for (instance, names) in instances.all.iter().zip(&names) {
         for name in variables(instance.module) {
             let shared = instances.reads.get(name).map_or(name, String::as_str);
@@ -192,17 +191,6 @@ fn concatenate(instances: &Instances, open: Option<Vec<&str>>) -> Result<Written
             if is_override && !(instances.live && instance.module.live(number).is_some()) {
                 let name = names[number.name.as_str()].to_string();
                 overrides.insert(path_of(instance, number), name);
-            }
-        }
-        for (original, name) in names.iter().filter(|(a, b)| a != b) {
-            // naga speaks of the member alone.
-            let name = name.rsplit('.').next().unwrap_or(name);
-            let known = originals
-                .entry(name.to_owned())
-                .or_insert_with(|| original.to_string());
-            // Several callers may have names of their own for it: take the same one every time.
-            if **original < **known {
-                *known = original.to_string();
             }
         }
     }
@@ -293,8 +281,9 @@ fn write_live(source: &mut Source, live: &[LiveNumber]) -> Option<(usize, String
 
 /// Copies an item and the comment above it, with its words renamed and, if it is a constant that the
 /// pipeline sets, its value. Returns where the item itself begins in the composed text.
-fn copy_item(source: &mut Source, instance: &Instance, item: &Item, names: &Names) -> usize {
+fn copy_item(source: &mut Source, instance: &Instance, named: &Named, names: &Names) -> usize {
     let module = instance.module;
+    let item = named.item;
     let file = &module.file;
     let mut at = comment_start(module, item.range.start);
     let start = source.text.len() + (item.range.start - at);
@@ -308,7 +297,12 @@ fn copy_item(source: &mut Source, instance: &Instance, item: &Item, names: &Name
     let end = value
         .as_ref()
         .map_or(item.range.end, |(range, _)| range.start);
-    for &index in &item.words {
+    let words = if named.renamed {
+        item.words.as_slice()
+    } else {
+        &[]
+    };
+    for &index in words {
         let range = module.outline.tokens[index].range.clone();
         if range.start >= end {
             break;

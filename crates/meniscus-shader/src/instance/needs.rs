@@ -10,8 +10,8 @@ use crate::library::{Library, Module, Role};
 
 impl<'l> Resolver<'l, '_> {
     pub(super) fn needs_of(&mut self, module: &'l Module, scope: usize) -> Vec<usize> {
-        self.needing.push(module.path.clone());
-        let mut found = Vec::new();
+        self.needing.push(&module.path);
+        let mut found = Vec::with_capacity(module.header.needs.len());
         for need in &module.header.needs {
             if let Some(start) = self.needing.iter().position(|path| *path == need.text) {
                 self.report.add(
@@ -25,7 +25,7 @@ impl<'l> Resolver<'l, '_> {
                 );
                 continue;
             }
-            let key = (need.text.clone(), scope);
+            let key = (need.text.as_str(), scope);
             if let Some(&instance) = self.needed.get(&key) {
                 found.push(instance);
                 continue;
@@ -84,7 +84,7 @@ impl<'l> Resolver<'l, '_> {
         let mut report = Report::default();
         for (index, scope) in self.scopes.iter().enumerate() {
             for (name, filling) in scope.fillings {
-                if self.filled.contains_key(&(index, name.clone())) {
+                if self.filled.contains_key(&(index, name.as_str())) {
                     continue;
                 }
                 let mut unused =

@@ -1,6 +1,6 @@
 //! Which filling a slot has: what a pipeline said nearest, what facts choose, or the slot's own body.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use meniscus_source::{Diagnostic, Place};
 
@@ -39,7 +39,7 @@ impl<'l, 'r> Resolver<'l, 'r> {
     }
 
     fn slot_within(&mut self, slot: &'l Module, used: &'l SlotUse, scope: usize) -> Option<usize> {
-        let mut enclosing = BTreeSet::new();
+        let mut enclosing = Vec::new();
         let mut next = Some(scope);
         while let Some(current) = next {
             let fillings: &'r BTreeMap<String, Filling> = self.scopes[current].fillings;
@@ -49,7 +49,7 @@ impl<'l, 'r> Resolver<'l, 'r> {
                 .chain([used.slot.text.as_str()])
                 .find_map(|name| fillings.get_key_value(name));
             if let Some((name, filling)) = named {
-                let key = (current, name.clone());
+                let key = (current, name.as_str());
                 match self.filled.get(&key) {
                     Some(Filled::Done(instance)) => return Some(*instance),
                     Some(Filled::Failed) => return None,
@@ -74,7 +74,7 @@ impl<'l, 'r> Resolver<'l, 'r> {
                         return None;
                     }
                     None => {
-                        self.filled.insert(key.clone(), Filled::InProgress);
+                        self.filled.insert(key, Filled::InProgress);
                         let instance = self.fill(filling, slot, name, current);
                         self.filled
                             .insert(key, instance.map_or(Filled::Failed, Filled::Done));
@@ -82,7 +82,7 @@ impl<'l, 'r> Resolver<'l, 'r> {
                     }
                 }
             }
-            enclosing.extend(self.scopes[current].key.clone());
+            enclosing.extend(self.scopes[current].key);
             next = self.scopes[current].parent;
         }
         self.default_of(slot, used, scope)
@@ -90,11 +90,11 @@ impl<'l, 'r> Resolver<'l, 'r> {
 
     /// The filling that facts choose, or the slot's own body.
     fn default_of(&mut self, slot: &'l Module, used: &SlotUse, scope: usize) -> Option<usize> {
-        let key = (slot.path.clone(), scope);
+        let key = (slot.path.as_str(), scope);
         if let Some(instance) = self.defaults.get(&key) {
             return Some(*instance);
         }
-        if self.defaulting.contains(&slot.path) {
+        if self.defaulting.contains(&slot.path.as_str()) {
             self.report.add(
                 Diagnostic::error(format!("the slot `{}` is filled by itself", slot.leaf()))
                     .at(
@@ -109,7 +109,7 @@ impl<'l, 'r> Resolver<'l, 'r> {
         if module.path != slot.path {
             self.check_contract(module, slot, place)?;
         }
-        self.defaulting.push(slot.path.clone());
+        self.defaulting.push(&slot.path);
         // Mostly there is one default of a slot; it has the slot's name.
         let leaf = slot.leaf().to_owned();
         let first = !self.scopes[0].fillings.contains_key(&leaf)
@@ -148,7 +148,7 @@ impl<'l, 'r> Resolver<'l, 'r> {
         &mut self,
         filling: &'r Filling,
         slot: &'l Module,
-        name: &str,
+        name: &'r str,
         scope: usize,
     ) -> Option<usize> {
         let place = filling.module.place.as_ref();
@@ -178,7 +178,7 @@ impl<'l, 'r> Resolver<'l, 'r> {
             fillings: &filling.slots,
             role: role.clone(),
             reads,
-            key: Some((scope, name.to_owned())),
+            key: Some((scope, name)),
         });
         let instance = self.instance(module, Some(slot), role, inner, Asked::At(place));
         self.check_requirements(instance, inner);

@@ -63,9 +63,19 @@ pub(super) fn declared_type(text: &str, after: &[Token]) -> String {
     }
 }
 
+/// The names in a type.
+pub(crate) fn type_words(ty: &str) -> impl Iterator<Item = &str> {
+    ty.split(|c: char| !(c.is_alphanumeric() || c == '_'))
+        .filter(|word| word.starts_with(|c: char| c.is_alphabetic() || c == '_'))
+}
+
 /// A type with every alias in it replaced by what it stands for.
 pub(crate) fn without_aliases<'a>(ty: &str, alias: &dyn Fn(&str) -> Option<&'a str>) -> String {
     let mut ty = ty.to_owned();
+    // Mostly there is none, and the type is what it was written as.
+    if !type_words(&ty).any(|word| alias(word).is_some()) {
+        return ty;
+    }
     // Aliases cannot be recursive; if these are, naga says so.
     for _ in 0..8 {
         let found = tokens(&ty);

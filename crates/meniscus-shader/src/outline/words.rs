@@ -6,14 +6,47 @@ use std::hash::Hasher;
 
 use rustc_hash::FxHasher;
 
+use super::Spelling;
 use super::brackets::inside;
 use crate::lexer::{Kind, Token};
 
 /// The words of an item by their spellings: a hash table that is not cleared between the items of a
 /// text, since what other items left counts as free.
 pub(super) struct Spellings {
-    /// Item, counted from 1, and token; a power of two of them, twice as many as tokens.
+    /// Item, counted from 1, and place among its spellings; a power of two of them, twice as many as
+    /// tokens.
     table: Vec<(u32, u32)>,
+    /// Those of all items.
+    pub filter: Filter,
+}
+
+/// A set of words that may say of a word that it is in it though it is not, and never the other way
+/// round.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Filter([u64; 16]);
+
+impl Filter {
+    fn bit(hash: u64) -> (usize, u64) {
+        // The upper bits are the well-mixed ones.
+        ((hash >> 60) as usize, 1 << ((hash >> 54) & 63))
+    }
+
+    fn add(&mut self, hash: u64) {
+        let (word, bit) = Self::bit(hash);
+        self.0[word] |= bit;
+    }
+
+    /// Whether a word may be in it.
+    pub fn may_hold(&self, word: &str) -> bool {
+        let (place, bit) = Self::bit(hash(word));
+        self.0[place] & bit != 0
+    }
+}
+
+fn hash(word: &str) -> u64 {
+    let mut hasher = FxHasher::default();
+    hasher.write(word.as_bytes());
+    hasher.finish()
 }
 
 impl Spellings {
@@ -21,41 +54,44 @@ impl Spellings {
     pub fn new(tokens: usize) -> Self {
         Self {
             table: vec![(0, 0); (2 * tokens).next_power_of_two()],
+            filter: Filter::default(),
         }
     }
 
-    /// Whether an item, counted from 1, has the word of a token for the first time.
-    fn first(&mut self, text: &str, tokens: &[Token], token: usize, item: usize) -> bool {
-        let word = &text[tokens[token].range.clone()];
-        let mut hasher = FxHasher::default();
-        hasher.write(word.as_bytes());
-        let hash = hasher.finish();
+    /// Adds a word of an item, counted from 1, unless one is there that is spelt so.
+    fn add(&mut self, text: &str, item: usize, spelling: Spelling, known: &mut Vec<Spelling>) {
+        let word = spelling.of(text);
+        let hash = hash(word);
         let last = self.table.len() - 1;
         // The upper bits are the well-mixed ones.
         let mut at = (hash ^ (hash >> 32)) as usize & last;
         loop {
-            let (there, known) = self.table[at];
+            let (there, place) = self.table[at];
             if there as usize != item {
-                self.table[at] = (item as u32, token as u32);
-                return true;
+                self.table[at] = (item as u32, known.len() as u32);
+                self.filter.add(hash);
+                known.push(spelling);
+                return;
             }
-            if text[tokens[known as usize].range.clone()] == *word {
-                return false;
+            let there = &mut known[place as usize];
+            if there.of(text) == word {
+                there.called |= spelling.called;
+                return;
             }
             at = (at + 1) & last;
         }
     }
 }
 
-/// The tokens of an item that are names which may refer to something, and the first of each
-/// spelling. Items are counted from 1.
+/// The tokens of an item that are names which may refer to something, and their spellings. Items are
+/// counted from 1.
 pub(super) fn words(
     text: &str,
     tokens: &[Token],
     range: Range<usize>,
     is_struct: bool,
     (spellings, item): (&mut Spellings, usize),
-) -> (Vec<usize>, Vec<usize>) {
+) -> (Vec<usize>, Vec<Spelling>) {
     let mut found = Vec::with_capacity(range.len() / 2);
     let mut firsts = Vec::with_capacity(range.len().min(64) / 4);
     let mut at = range.start;
@@ -78,14 +114,14 @@ pub(super) fn words(
             continue;
         }
         if this == Kind::Word && before != Some(Kind::Mark('.')) {
+            let after = kind(at + 1);
             // A member's declaration, but not the type after the colon.
-            let declared =
-                is_struct && at > range.start + 1 && kind(at + 1) == Some(Kind::Mark(':'));
+            let declared = is_struct && at > range.start + 1 && after == Some(Kind::Mark(':'));
             if !declared {
                 found.push(at);
-                if spellings.first(text, tokens, at, item) {
-                    firsts.push(at);
-                }
+                let called = after == Some(Kind::Mark('('));
+                let spelling = Spelling::new(&tokens[at].range, called);
+                spellings.add(text, item, spelling, &mut firsts);
             }
         }
         before = Some(this);

@@ -1,46 +1,56 @@
 //! What instances declare, what that mentions, and what is wrong with either.
 
-use std::collections::BTreeSet;
-
 use meniscus_source::{Diagnostic, Place, Report};
 use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 
 use crate::instance::{Instance, Instances};
 use crate::library::{Module, Role};
 use crate::names::Names;
-use crate::outline::{Item, ItemKind};
+use crate::outline::{Item, ItemKind, Outline};
 use crate::predeclared::is_predeclared;
 
 /// An instance's items under their names in the shader.
 pub(super) struct Part<'p> {
-    pub items: Vec<(&'p str, &'p Item)>,
+    pub items: Vec<Named<'p>>,
     pub directives: Vec<Place>,
-    /// For each item, the shader's names it mentions.
-    mentions: Vec<Vec<&'p str>>,
 }
+
+/// An item under its name in the shader.
+pub(super) struct Named<'p> {
+    pub name: &'p str,
+    pub item: &'p Item,
+    /// Whether a word of it has another name in the shader.
+    pub renamed: bool,
+    /// The shader's names it mentions.
+    mentions: Vec<Mention<'p>>,
+    /// The words that are the names of nothing that its module may use.
+    others: Vec<&'p str>,
+}
+
+/// A name that something mentions, and whether it is called there.
+pub(super) type Mention<'p> = (&'p str, bool);
 
 pub(super) fn collect<'p>(
     instances: &'p Instances,
     names: &'p [Names],
     report: &mut Report,
 ) -> Vec<Part<'p>> {
-    let mut declared: HashMap<&str, (&Module, &Item)> = HashMap::default();
-    let mut all = Vec::new();
+    let count = |instance: &Instance| instance.module.outline.items.len();
+    let mut declared: Declared = HashMap::with_capacity_and_hasher(
+        instances.all.iter().map(count).sum(),
+        Default::default(),
+    );
+    let mut all = Vec::with_capacity(instances.all.len());
     for (instance, names) in instances.all.iter().zip(names) {
         let module = instance.module;
+        let directives = module.outline.directives.iter();
         let mut part = Part {
-            items: Vec::new(),
-            directives: module
-                .outline
-                .directives
-                .iter()
-                .map(|d| module.place(d.clone()))
-                .collect(),
-            mentions: Vec::new(),
+            items: Vec::with_capacity(module.outline.items.len()),
+            directives: directives.map(|d| module.place(d.clone())).collect(),
         };
         for item in &module.outline.items {
-            let name = &*names[item.name.as_str()];
-            match declared.get(name) {
+            let named = named(module, item, names);
+            match declared.get(named.name) {
                 Some((other, first)) => {
                     let shared =
                         matches!(item.kind, ItemKind::Variable { .. }) && item.kind == first.kind;
@@ -51,27 +61,44 @@ pub(super) fn collect<'p>(
                     }
                 }
                 None => {
-                    declared.insert(name, (module, item));
+                    declared.insert(named.name, (module, item));
                 }
             }
-            let mentions = item
-                .spellings
-                .iter()
-                .map(|&index| &module.file.text[module.outline.tokens[index].range.clone()])
-                .map(|word| names.get(word).map_or(word, |name| name));
-            part.mentions.push(mentions.collect());
-            part.items.push((name, item));
+            part.items.push(named);
         }
         all.push(part);
     }
-    let mut seen = BTreeSet::new();
-    for (instance, names) in instances.all.iter().zip(names) {
-        if seen.insert(&instance.module.path) {
-            check_needs(instance, names, &declared, report);
+    let mut seen = HashSet::default();
+    for (instance, part) in instances.all.iter().zip(&all) {
+        if seen.insert(instance.module.path.as_str()) {
+            check_needs(instance.module, part, &declared, report);
         }
     }
     all
 }
+
+/// What a module's item is called and what it mentions.
+fn named<'p>(module: &'p Module, item: &'p Item, names: &'p Names) -> Named<'p> {
+    let mut named = Named {
+        name: &names[item.name.as_str()],
+        item,
+        renamed: false,
+        mentions: Vec::with_capacity(item.spellings.len()),
+        others: Vec::new(),
+    };
+    for (word, spelling) in Outline::spelt(&module.file.text, item) {
+        let name = names.get(word).map(|name| &**name);
+        named.renamed |= name.is_some_and(|name| name != word);
+        match name {
+            Some(name) => named.mentions.push((name, spelling.called)),
+            None => named.others.push(word),
+        }
+    }
+    named
+}
+
+/// Who declares what, by the names in the shader.
+type Declared<'p> = HashMap<&'p str, (&'p Module, &'p Item)>;
 
 /// The longest chain of operators, accesses, brackets or `else if`s that is handed to naga.
 pub(crate) const MAX_CHAIN: usize = 1000;
@@ -87,30 +114,26 @@ pub(super) fn too_long(module: &Module, item: &Item) -> Diagnostic {
 
 /// A word that only another module's items are called by: naga would accept it as long as that
 /// module happens to be in the shader.
-fn check_needs(
-    instance: &Instance,
-    names: &Names,
-    declared: &HashMap<&str, (&Module, &Item)>,
-    report: &mut Report,
-) {
-    let module = instance.module;
-    for item in &module.outline.items {
+fn check_needs(module: &Module, part: &Part, declared: &Declared, report: &mut Report) {
+    let text = &module.file.text;
+    let stranger = |item: &Item, word: &str| {
+        let (owner, _) = declared.get(word)?;
+        let own = owner.path == module.path || is_predeclared(word);
+        let mut locals = module.outline.locals(text, item);
+        (!own && !locals.any(|local| local == word)).then_some(*owner)
+    };
+    for Named { item, others, .. } in &part.items {
+        let owned = others.iter().map(|word| (*word, stranger(item, word)));
+        let strangers: Vec<_> = owned.filter_map(|(w, owner)| Some((w, owner?))).collect();
+        if strangers.is_empty() {
+            continue;
+        }
         for &index in &item.words {
             let range = module.outline.tokens[index].range.clone();
-            let word = &module.file.text[range.clone()];
-            let Some((owner, _)) = declared.get(word) else {
+            let Some((word, owner)) = strangers.iter().find(|(w, _)| **w == text[range.clone()])
+            else {
                 continue;
             };
-            if names.contains_key(word) || owner.path == module.path || is_predeclared(word) {
-                continue;
-            }
-            if module
-                .outline
-                .locals(&module.file.text, item)
-                .any(|l| l == word)
-            {
-                continue;
-            }
             let wrong =
                 Diagnostic::error(format!("`{}` uses `{word}` without saying so", module.path)).at(
                     &module.place(range),
@@ -154,22 +177,25 @@ fn redefinition(module: &Module, item: &Item, other: &Module, first: &Item) -> D
 }
 
 /// The names that are reached from the open ones.
-pub(super) fn reach<'p>(all: &[Part<'p>], mut open: Vec<&'p str>) -> HashSet<&'p str> {
-    let mut mentions: HashMap<&str, &[&str]> = HashMap::default();
-    for part in all {
-        for ((name, item), mentioned) in part.items.iter().zip(&part.mentions) {
-            mentions.entry(name).or_insert(mentioned);
-            if item.kind == ItemKind::Assertion {
-                open.push(name);
-            }
+pub(super) fn reach<'p>(all: &[Part<'p>], mut open: Vec<Mention<'p>>) -> HashSet<&'p str> {
+    let items = || all.iter().flat_map(|part| &part.items);
+    let mut known: HashMap<&str, &Named> =
+        HashMap::with_capacity_and_hasher(items().count(), Default::default());
+    for named in items() {
+        known.entry(named.name).or_insert(named);
+        if named.item.kind == ItemKind::Assertion {
+            open.push((named.name, false));
         }
     }
     let mut reached = HashSet::default();
-    while let Some(name) = open.pop() {
-        if let Some(mentioned) = mentions.get(name)
+    while let Some((name, called)) = open.pop() {
+        // A function is reached where it is called: otherwise a local variable has its name.
+        let is_reached =
+            |named: &&&Named| called || !matches!(named.item.kind, ItemKind::Function { .. });
+        if let Some(named) = known.get(name).filter(is_reached)
             && reached.insert(name)
         {
-            open.extend(*mentioned);
+            open.extend(&named.mentions);
         }
     }
     reached
