@@ -46,11 +46,31 @@ fn view_clip(view: View, point: vec3f) -> vec4f {
 // Where a world point appears, in pixels (xy), and its distance along `forward`, metres (z).
 // A point that is not before the eye appears where one just before it would.
 fn view_pixel(view: View, point: vec3f) -> vec3f {
+    let depth = dot(point - view.eye, view.forward);
+    return vec3f(view_at_depth(view, point, max(depth, 1e-6)), depth);
+}
+
+// Where a world point appears of which the distance along `forward` is known, metres and more than 0.
+fn view_at_depth(view: View, point: vec3f, depth: f32) -> vec2f {
     let offset = point - view.eye;
-    let depth = dot(offset, view.forward);
-    let scale = view.focal / max(depth, 1e-6);
-    let centred = vec2f(dot(offset, view.right), -dot(offset, view.up)) * scale;
-    return vec3f(0.5 * view.size + centred, depth);
+    let centred = vec2f(dot(offset, view.right), -dot(offset, view.up)) * (view.focal / depth);
+    return 0.5 * view.size + centred;
+}
+
+// How far a ray is followed: metres along it, and the depths along `forward` of its ends, more than 0.
+struct ViewEnds {
+    far: f32,
+    depths: vec2f,
+}
+
+// A ray followed for `reach` metres or, where it comes back, to the near plane. Its end there has the near
+// plane's very depth, of which a difference of the way and the origin's depth would keep few digits.
+fn view_ends(view: View, ray: Ray, reach: f32) -> ViewEnds {
+    let depth = max(dot(ray.origin - view.eye, view.forward), 1e-6);
+    let fall = -dot(ray.direction, view.forward);
+    let to_near = max(depth - view.near, 1e-3) / max(fall, 1e-6);
+    let last = select(depth - reach * fall, min(view.near, depth), to_near < reach);
+    return ViewEnds(min(reach, to_near), vec2f(depth, max(last, 1e-6)));
 }
 
 // Whether a point stands before what a depth buffer holds at its pixel.

@@ -1,14 +1,14 @@
 // Where a ray first passes behind what was drawn, each step placed as what was drawn is: a march
 // for buffers in which world rays are curves, as after the broad phase.
-// The hit test and the thickness are McGuire & Mara's (2014, JCGT 3(4)); the steps go along the ray
-// in the world, as far as it takes to move by `stride` on the screen or to reach what was drawn.
-// World space, metres; depth along `forward` of where points appear; texels.
+// The hit test and the thickness are McGuire & Mara's (2014, JCGT 3(4)). The steps are those of a
+// straight line between where the ray's ends appear, as far as it takes to move by `stride` on the screen
+// or to reach what was drawn; each of their points is placed by itself. World space, metres; depth along `forward` of where points appear; texels.
 // A ray that leaves the buffers shows what is where it does so; one that goes on behind something
 // until its end, or comes back to the camera's side, shows the pixel itself. Normals and id are not
 // known: for fillings of `colour` that fetch what was drawn at the texel.
 //
 // provides: intersect
-// needs: geometry/ray, geometry/hit, screen/camera, screen/drawn, screen/seen_view, water/body
+// needs: geometry/ray, geometry/hit, screen/camera, screen/drawn, screen/leaving, screen/seen_view, water/body
 // slots: place
 // requires: colour = screen/resampled
 // number thickness: 0 to 100 m, step 0.05
@@ -50,33 +50,51 @@ fn outside(texel: vec2f) -> bool {
 }
 
 fn intersect(ray: Ray, texel: vec2f) -> Hit {
-    var before = marched(ray, 0.0);
-    var after = before;
-    var step = 0.01 * clamp(before.gap, 0.01, 1.0);
+    let view = view_seen();
+    let ends = view_ends(view, ray, reach);
+    let start = marched(ray, 0.0);
+    let end = marched(ray, ends.far);
+    // 1 / depth, of which the line between them has equal parts in equal steps on the screen.
+    let inverse = 1.0 / ends.depths;
+    let stride_part = stride / max(length(end.texel - start.texel), stride);
+    // What it gains of where it appears.
+    let appears = 1.0 / max(vec2f(start.depth, end.depth), vec2f(view.near));
+    var gain = appears.y - appears.x;
+    var part = 0.0;
+    var counted_from = 0.0;
+    var strides = 0.0;
+    var before = start;
+    var after = start;
     var met = false;
     var left = false;
     // Light that the water reflects meets nothing that was drawn.
     let returns = water.camera_side * ray.direction.z > 0.0;
     let steps = select(march_steps, 0, returns);
     for (var i = 0; i < steps && !met; i++) {
-        after = marched(ray, before.along + step);
+        // By the stride, or just beyond what was drawn, so that the next point is behind it where both run
+        // straight; half-way at first, to see what lies between.
+        let apart = select(1.02, 0.5, i == 0) * before.gap / (before.depth + before.gap) + 1e-5;
+        let to_gap = select(1.0, apart / max(-gain * before.depth, 1e-6), before.gap > 0.0);
+        // Strides are counted: the rounding of many sums adds up to texels that are missed.
+        strides = select(strides + 1.0, 0.0, to_gap < stride_part);
+        counted_from = select(counted_from, part + to_gap, to_gap < stride_part);
+        part = min(counted_from + strides * stride_part, 1.0);
+        after = marched(ray, ends.far * part * inverse.y / mix(inverse.x, inverse.y, part));
         left = outside(after.texel);
         met = after.gap <= 0.0 && before.depth <= after.depth + after.gap + thickness;
-        if left || after.along >= reach {
+        if left || part >= 1.0 {
             break;
         }
-        // What one metre along the ray means on the screen and in depth. Just more than the gap, so
-        // that the next point is behind where both run straight.
-        let moved = length(after.texel - before.texel) / step;
-        let sunk = max(after.depth - before.depth, 0.0) / step;
-        let to_gap = select(1e9, (1.02 * after.gap + 1e-5 * after.depth) / max(sunk, 1e-3), after.gap > 0.0);
         if !met {
-            step = min(min(stride / max(moved, 1e-6), to_gap), 8.0 * step);
             before = after;
+            // By the whole way so far: of a difference between neighbours rounding would leave little.
+            gain = (1.0 / max(after.depth, view.near) - appears.x) / part;
         }
     }
     if !met {
-        let shown_at = select(texel, after.texel, left);
+        let size = vec2f(textureDimensions(seen_depth));
+        let edge = leaving_place(before.texel, after.texel - before.texel, vec2f(0.0), size);
+        let shown_at = select(texel, edge, left);
         let shows = drawn_about(vec2i(floor(shown_at))) > 0.0;
         return Hit(ray.origin, vec3f(0.0), vec3f(0.0), -1.0, shown_at, 0.0, shows, ray.direction);
     }
@@ -93,9 +111,9 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
             after = middle;
         }
     }
-    let fall = before.gap - after.gap;
-    let part = clamp(select(0.5, before.gap / fall, fall > 1e-9), 0.0, 1.0);
-    let position = ray.origin + mix(before.along, after.along, part) * ray.direction;
-    let shown_at = mix(before.texel, after.texel, part);
+    let slope = before.gap - after.gap;
+    let weight = clamp(select(0.5, before.gap / slope, slope > 1e-9), 0.0, 1.0);
+    let position = ray.origin + mix(before.along, after.along, weight) * ray.direction;
+    let shown_at = mix(before.texel, after.texel, weight);
     return Hit(position, vec3f(0.0), vec3f(0.0), -1.0, shown_at, 0.0, true, ray.direction);
 }

@@ -5,7 +5,7 @@
 // without jitter finds; misses show what they show there.
 //
 // provides: intersect
-// needs: geometry/ray, geometry/hit, screen/depth_tiles, screen/drawn, screen/march_line, water/body
+// needs: geometry/ray, geometry/hit, screen/depth_tiles, screen/drawn, screen/leaving, screen/march_line, water/body
 // requires: reproject = screen/plain, colour = screen/resampled
 // number thickness: 0 to 100 m, step 0.05
 // number march_tiles: 1 to 4096, step 16
@@ -25,7 +25,7 @@ fn tile_end(march: March, at: f32, tile: vec2i) -> f32 {
     let low = vec2f(tile * TILE);
     // Just beyond the edge, so that the next place is in the next tile.
     let beyond = 0.01 * march_texel(march);
-    return max(march_leaving(march, low, low + f32(TILE)) + beyond, at + beyond);
+    return max(leaving_part(march.texel, march.way, low, low + f32(TILE)) + beyond, at + beyond);
 }
 
 // Whether the ray may meet something that was drawn in a tile.
@@ -71,5 +71,5 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
         return march_hit(ray, march, before, after, 0);
     }
     let left = march.inside < 1.0 && before >= march.inside;
-    return march_missed(ray, select(texel, march.texel + march.inside * march.way, left));
+    return march_missed(ray, march, left, texel);
 }

@@ -37,26 +37,27 @@ fn march_noise(texel: vec2f) -> f32 {
 fn intersect(ray: Ray, texel: vec2f) -> Hit {
     let march = march_of(ray, reach);
     let step = stride * march_texel(march);
-    var at = step * jitter * march_noise(texel);
+    let shift = jitter * march_noise(texel);
     var before = 0.0;
     var after = 0.0;
     var met = false;
     // Light that the water reflects meets nothing that was drawn.
     let returns = water.camera_side * ray.direction.z > 0.0;
     let steps = select(march_steps, 0, returns);
-    // Every step covers what lies between the middles of the gaps to its neighbours.
+    // Every step covers what lies between the middles of the gaps to its neighbours. Its place is told by its
+    // number: the rounding of many sums adds up to texels that are missed.
     for (var i = 0; i < steps && !met; i++) {
         if before >= march.inside {
             break;
         }
-        after = min(at + 0.5 * step, march.inside);
-        met = march_meets(march, before, after, drawn(march_at(march, at)), thickness);
+        let place = f32(i) + shift;
+        after = min((place + 0.5) * step, march.inside);
+        met = march_meets(march, before, after, drawn(march_at(march, place * step)), thickness);
         before = select(after, before, met);
-        at += step;
     }
     if met {
         return march_hit(ray, march, before, after, refinements);
     }
     let left = march.inside < 1.0 && before >= march.inside;
-    return march_missed(ray, select(texel, march.texel + march.inside * march.way, left));
+    return march_missed(ray, march, left, texel);
 }

@@ -3,7 +3,7 @@
 // line is 1 / depth. World space, metres; depth along `forward`; texels. Valid only where world rays
 // are straight on the screen.
 //
-// needs: geometry/ray, geometry/hit, screen/camera, screen/drawn, screen/seen_view
+// needs: geometry/ray, geometry/hit, screen/camera, screen/drawn, screen/leaving, screen/seen_view
 // domain: rays from points that the picture shows
 
 // From 0 (the ray's origin) to 1.
@@ -19,26 +19,15 @@ struct March {
     inside: f32,
 }
 
-// How far along `way` the sides of a box are met that lie in its direction; at most 1.
-fn march_leaving(march: March, low: vec2f, high: vec2f) -> f32 {
-    let bound = select(low, high, march.way > vec2f(0.0));
-    let still = abs(march.way) < vec2f(1e-6);
-    let crossings = (bound - march.texel) / select(march.way, vec2f(1.0), still);
-    let parts = select(crossings, vec2f(1.0), still);
-    return clamp(min(parts.x, parts.y), 0.0, 1.0);
-}
-
 // The line of a ray that is followed for `reach` metres; one that comes back, to the near plane.
 fn march_of(ray: Ray, reach: f32) -> March {
     let view = view_seen();
-    let depth = dot(ray.origin - view.eye, view.forward);
-    let fall = -dot(ray.direction, view.forward);
-    let far = min(reach, max(depth - view.near, 1e-3) / max(fall, 1e-6));
-    let first = view_pixel(view, ray.origin);
-    let last = view_pixel(view, ray.origin + far * ray.direction);
-    let inverse = 1.0 / vec2f(max(first.z, 1e-6), max(last.z, 1e-6));
-    var march = March(first.xy, last.xy - first.xy, inverse.x, inverse.y - inverse.x, far, 1.0);
-    march.inside = march_leaving(march, vec2f(0.0), vec2f(textureDimensions(seen_depth)));
+    let ends = view_ends(view, ray, reach);
+    let first = view_pixel(view, ray.origin).xy;
+    let last = view_at_depth(view, ray.origin + ends.far * ray.direction, ends.depths.y);
+    let inverse = 1.0 / ends.depths;
+    var march = March(first, last - first, inverse.x, inverse.y - inverse.x, ends.far, 1.0);
+    march.inside = leaving_part(march.texel, march.way, vec2f(0.0), vec2f(textureDimensions(seen_depth)));
     return march;
 }
 
@@ -84,7 +73,9 @@ fn march_hit(ray: Ray, march: March, first: f32, last: f32, bisections: i32) -> 
 
 // What a ray shows that met nothing: where it left the buffers, what is at their edge, which is the
 // nearest to it; else the pixel itself.
-fn march_missed(ray: Ray, shown_at: vec2f) -> Hit {
+fn march_missed(ray: Ray, march: March, left: bool, texel: vec2f) -> Hit {
+    let edge = leaving_place(march.texel, march.way, vec2f(0.0), vec2f(textureDimensions(seen_depth)));
+    let shown_at = select(texel, edge, left);
     let shows = drawn_about(vec2i(floor(shown_at))) > 0.0;
     return Hit(ray.origin, vec3f(0.0), vec3f(0.0), -1.0, shown_at, 0.0, shows, ray.direction);
 }
