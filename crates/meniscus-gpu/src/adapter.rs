@@ -2,11 +2,13 @@
 
 use std::fmt;
 use std::future::Future;
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 use crate::GpuError;
+use crate::kept_pipelines::KeptPipelines;
 
 /// How long a submission may take before it counts as one that never ends.
 const PATIENCE: Duration = Duration::from_secs(300);
@@ -67,6 +69,19 @@ struct Opened {
     /// What went wrong outside every error scope, the device's loss included; the first one.
     fault: Arc<Mutex<Option<String>>>,
     created: AtomicU64,
+    compiled: AtomicU64,
+    /// What the driver has compiled in this run and in earlier ones.
+    kept: OnceLock<KeptPipelines>,
+}
+
+impl Drop for Opened {
+    fn drop(&mut self) {
+        let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner);
+        let compiled = self.compiled.load(Ordering::Relaxed) > 0;
+        if let Some(kept) = self.kept.get().filter(|_| compiled && fault.is_none()) {
+            kept.keep();
+        }
+    }
 }
 
 /// The adapters that are there, best first.
@@ -137,9 +152,24 @@ impl Gpu {
     /// When there is none, with a list of those that are there and the way to a software adapter;
     /// when it cannot be opened.
     pub fn open(adapter: Option<&str>) -> Result<Self, GpuError> {
+        Self::keeping(adapter, None)
+    }
+
+    /// The same with what the driver compiles kept in a folder (see [`crate::cache_folder`]) until the
+    /// next time, where the driver hands it out: Vulkan's do. It is written when the last clone of
+    /// what was opened is gone. A folder that cannot be used, and a file that is broken or another
+    /// driver's, are as good as none.
+    ///
+    /// # Errors
+    /// As [`Gpu::open`].
+    pub fn keeping(adapter: Option<&str>, folder: Option<&Path>) -> Result<Self, GpuError> {
         let adapter = choose(adapter)?;
         let facts = AdapterFacts::from(adapter.get_info());
-        let useful = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::PIPELINE_STATISTICS_QUERY;
+        let mut useful =
+            wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::PIPELINE_STATISTICS_QUERY;
+        if folder.is_some() {
+            useful |= wgpu::Features::PIPELINE_CACHE;
+        }
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("meniscus"),
             required_features: adapter.features() & useful,
@@ -168,13 +198,25 @@ impl Gpu {
                 note_loss(message);
             }
         });
-        Ok(Self(Arc::new(Opened {
+        let opened = Self(Arc::new(Opened {
             device,
             queue,
             facts,
             fault,
             created: AtomicU64::new(0),
-        })))
+            compiled: AtomicU64::new(0),
+            kept: OnceLock::new(),
+        }));
+        if let Some(folder) = folder {
+            let kept = opened.attempt("handing compiled pipelines to the driver", || {
+                KeptPipelines::open(opened.device(), folder)
+            });
+            // Without them everything is compiled anew.
+            if let Ok(Some(kept)) = kept {
+                opened.0.kept.get_or_init(|| kept);
+            }
+        }
+        Ok(opened)
     }
 
     /// The adapter and its driver.
@@ -208,6 +250,21 @@ impl Gpu {
     /// How many GPU objects (shaders, pipelines, textures, buffers, …) were created so far.
     pub fn created(&self) -> u64 {
         self.0.created.load(Ordering::Relaxed)
+    }
+
+    /// How many pipelines the driver was asked to compile so far.
+    pub fn compiled(&self) -> u64 {
+        self.0.compiled.load(Ordering::Relaxed)
+    }
+
+    /// What the driver has compiled already, and adds to.
+    pub(crate) fn driver_cache(&self) -> Option<&wgpu::PipelineCache> {
+        self.0.kept.get().map(KeptPipelines::cache)
+    }
+
+    #[cfg(test)]
+    pub(crate) fn kept(&self) -> Option<&KeptPipelines> {
+        self.0.kept.get()
     }
 
     pub(crate) fn device(&self) -> &wgpu::Device {
@@ -245,6 +302,12 @@ impl Gpu {
     pub(crate) fn create<T>(&self, what: &str, work: impl FnOnce() -> T) -> Result<T, GpuError> {
         self.0.created.fetch_add(1, Ordering::Relaxed);
         self.attempt(&format!("creating {what}"), work)
+    }
+
+    /// [`Self::create`] for pipelines, of which the driver compiles the shaders.
+    pub(crate) fn compile<T>(&self, what: &str, work: impl FnOnce() -> T) -> Result<T, GpuError> {
+        self.0.compiled.fetch_add(1, Ordering::Relaxed);
+        self.create(what, work)
     }
 
     /// Waits until everything submitted is done.

@@ -63,7 +63,7 @@ impl Compute {
         let shader = pipelines::shader_module(gpu, entry, module)?;
         let pipeline_layout = pipelines::device_layout(gpu, entry, &layout)?;
         let constants: Vec<(&str, f64)> = constants.iter().map(|(n, v)| (n.as_str(), *v)).collect();
-        let pipeline = gpu.create(&format!("the pipeline of `{entry}`"), || {
+        let pipeline = gpu.compile(&format!("the pipeline of `{entry}`"), || {
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: None,
                 layout: Some(&pipeline_layout),
@@ -73,7 +73,7 @@ impl Compute {
                     constants: &constants,
                     ..Default::default()
                 },
-                cache: None,
+                cache: gpu.driver_cache(),
             })
         })?;
         Ok(Self {

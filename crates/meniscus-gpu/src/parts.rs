@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::UVec2;
-use meniscus_pipeline::{PassKind, Plan};
+use meniscus_pipeline::{PassKind, Plan, Pruning};
 
 use crate::bindings::Binder;
 use crate::host_buffers::HostBuffers;
@@ -41,6 +41,16 @@ impl Skipping {
         sharing: false,
         regions: false,
     };
+}
+
+impl From<Pruning> for Skipping {
+    /// As much is left out of a frame as of its plan: all or nothing.
+    fn from(pruning: Pruning) -> Self {
+        match pruning {
+            Pruning::None => Self::NONE,
+            Pruning::Exact | Pruning::Approximate => Self::ALL,
+        }
+    }
 }
 
 /// What parts are made from.

@@ -187,9 +187,9 @@ fn make(
                 module,
                 entry_point: Some(name),
                 compilation_options: options,
-                cache: None,
+                cache: gpu.driver_cache(),
             };
-            Stages::Compute(gpu.create(&what, || device.create_compute_pipeline(&descriptor))?)
+            Stages::Compute(gpu.compile(&what, || device.create_compute_pipeline(&descriptor))?)
         }
         Entry::Render { vertex, fragment } => {
             let attributes = attributes(pass, &pass.shader)?;
@@ -238,9 +238,9 @@ fn make(
                 primitive: wgpu::PrimitiveState::default(),
                 multisample: wgpu::MultisampleState::default(),
                 multiview_mask: None,
-                cache: None,
+                cache: gpu.driver_cache(),
             };
-            Stages::Render(gpu.create(&what, || device.create_render_pipeline(&descriptor))?)
+            Stages::Render(gpu.compile(&what, || device.create_render_pipeline(&descriptor))?)
         }
     };
     Ok(Pipeline { layout, stages })

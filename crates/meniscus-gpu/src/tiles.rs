@@ -98,14 +98,14 @@ impl TilePipelines {
         })?;
         let pipeline_layout = pipelines::device_layout(gpu, "tiles", &layout)?;
         let pipeline = |entry: &str| {
-            gpu.create("the pipeline of tiles", || {
+            gpu.compile("the pipeline of tiles", || {
                 device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                     label: Some(entry),
                     layout: Some(&pipeline_layout),
                     module: &module,
                     entry_point: Some(entry),
                     compilation_options: Default::default(),
-                    cache: None,
+                    cache: gpu.driver_cache(),
                 })
             })
         };
