@@ -7,7 +7,8 @@
 // domain: shown()
 
 fn colour(hit: Hit, ray: Ray) -> vec3f {
-    return vec3f(0.5 + log2(clamp(hit.residual, 1e-9, 1e9)) / 40.0);
+    // Scaled first: ½ + log₂(residual) / 40 would lose its digits next to 0.
+    return vec3f(log2(clamp(hit.residual * 1048576.0, 1.0, 1099511627776.0)) / 40.0);
 }
 
 fn shown(hit: Hit, ray: Ray) -> vec4f {

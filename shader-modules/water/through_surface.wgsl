@@ -6,7 +6,8 @@
 // provides: intersect
 // needs: geometry/hit, geometry/ray, optics/snell, water/body
 // slots: leave, inside: intersect
-// domain: intersect(texel -100 to 1e4)
+// domain: rays that start on the water. Each further meeting magnifies what rounding did before; where
+// one grazes the water no figure can be promised.
 
 const MOST_MEETINGS = 3;
 
