@@ -2,6 +2,7 @@
 // plane as it is before it. World space, metres.
 //
 // provides: place
+// appears: mirrored
 // needs: optics/mirrored_point
 // domain: place(point -1e4 to 1e4 from 1e-6)
 

@@ -5,6 +5,7 @@
 // `height` how far it is above the rest plane (metres); `object` the id + 1; `shown` the world point and id.
 //
 // skeleton: draw
+// appears: as place says
 // outputs: colour, position, apparent, normal, plane, height, object, shown
 // slots: place, shade, side
 // needs: geometry/octahedral, screen/target, shading/surface_point, water/body

@@ -6,6 +6,7 @@ use meniscus_shader::{Filling, Output, Recipe, Shader, Stage};
 use meniscus_source::ron::Spanned;
 use meniscus_source::{Diagnostic, Report};
 
+use crate::cull::Appears;
 use crate::file::{Dispatch, Over, Runs};
 use crate::interface::{self, SHOWN, SHOWN_OF, about};
 use crate::pipeline::{Pass, PassOver};
@@ -120,6 +121,7 @@ impl Planner<'_> {
             }
             (_, depth) => depth.map(|d| d.value.clone()),
         };
+        let appears = Appears::of(self.composer.library(), &pass.skeleton.value, &pass.slots);
         self.passes.push(PlannedPass {
             name,
             kind,
@@ -134,6 +136,7 @@ impl Planner<'_> {
             depth,
             view_target: size,
             view_seen,
+            appears,
         });
         Ok(())
     }

@@ -6,6 +6,8 @@ use meniscus_shader::Composer;
 use meniscus_source::Report;
 use serde::Serialize;
 
+use crate::explain_clusters::{ClustersSaid, Drawing};
+use crate::explain_memory::guarded_texel;
 use crate::explain_parts::{Said, facts_said};
 use crate::outlook::Outlook;
 use crate::pipeline::Pipeline;
@@ -36,6 +38,18 @@ pub struct Explanation {
     pub objects: Vec<ObjectsSaid>,
     /// What remains, and what there would be if nothing were left out.
     pub total: [Total; 2],
+    /// Width and height of textures with a guard band, pixels; unknown before
+    /// [`Explanation::with_memory`].
+    pub guarded: Option<[u32; 2]>,
+    /// Bytes that a frame allocates for textures and buffers: less than the total's where some are
+    /// never needed at once, and share memory. Unknown likewise.
+    pub allocated_bytes: Option<u64>,
+    /// Bytes for each pixel of the textures with a guard band that remain, and that there would be.
+    #[serde(skip)]
+    pub(crate) guarded_texels: [u64; 2],
+    /// Passes that draw triangles.
+    #[serde(skip)]
+    pub(crate) drawings: Vec<Drawing>,
 }
 
 /// What a fact says of a scene.
@@ -68,6 +82,9 @@ pub struct PassSaid {
     pub dropped: Option<DroppedSaid>,
     /// What it does, or would do.
     pub work: Work,
+    /// For a draw that runs, what of it is out of view: see [`Explanation::with_clusters`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clusters: Option<ClustersSaid>,
 }
 
 /// By which rule something is left out.
@@ -133,8 +150,12 @@ pub struct ResourceSaid {
     pub kept: bool,
     /// What it is.
     pub what: String,
-    /// Its size in memory; without a guard band, which depends on the water's slopes.
+    /// Its size in memory; without a guard band, which depends on the water's slopes, before
+    /// [`Explanation::with_memory`].
     pub bytes: u64,
+    /// Bytes of a texel, for textures with a guard band; else 0.
+    #[serde(skip)]
+    pub(crate) guarded_texel: u64,
     /// Why it is not made.
     pub dropped: Option<DroppedSaid>,
 }
@@ -165,7 +186,8 @@ pub struct Total {
     pub dispatches: u64,
     /// Triangles of the scene, once for each draw.
     pub triangles: u64,
-    /// Bytes of textures and buffers, without guard bands.
+    /// Bytes of textures and buffers, without guard bands before [`Explanation::with_memory`]; each
+    /// counts, whether or not it shares memory with others.
     pub bytes: u64,
 }
 
@@ -214,6 +236,10 @@ impl Explanation {
             resources: said.resources(),
             objects: said.objects(),
             total: [said.total(&plan), said.total(&whole)],
+            guarded: None,
+            allocated_bytes: None,
+            guarded_texels: [guarded_texel(&plan), guarded_texel(&whole)],
+            drawings: plan.passes.iter().filter_map(Drawing::of).collect(),
         })
     }
 }

@@ -84,6 +84,7 @@ impl Said<'_> {
                 slots,
                 dropped: dropped.map(|d| dropped_said(d.rule, &d.because, d.within_px)),
                 work: self.work(pass),
+                clusters: None,
             }
         };
         self.known().map(said).collect()
@@ -196,6 +197,7 @@ impl Said<'_> {
                 kept,
                 what: texture.value.to_string(),
                 bytes: self.bytes(texture.value),
+                guarded_texel: texel_if_guarded(texture.value),
                 dropped: unused(kept),
             });
         }
@@ -217,6 +219,7 @@ impl Said<'_> {
                 kept,
                 what: texture.to_string(),
                 bytes: self.bytes(*texture),
+                guarded_texel: texel_if_guarded(*texture),
                 dropped: unused(kept),
             });
         }
@@ -227,6 +230,7 @@ impl Said<'_> {
                 kept,
                 what: buffer.value.to_string(),
                 bytes: buffer.value.bytes + buffer.value.bytes_per_pixel * pixels(self.outlook),
+                guarded_texel: 0,
                 dropped: unused(kept),
             });
         }
@@ -290,6 +294,13 @@ impl Said<'_> {
             triangles: work.iter().map(|w| w.triangles).sum(),
             bytes: textures + buffers,
         }
+    }
+}
+
+fn texel_if_guarded(texture: Texture) -> u64 {
+    match texture.size {
+        Size::Frame => 0,
+        Size::Guarded => texture.format.bytes(),
     }
 }
 

@@ -3,6 +3,7 @@
 use std::fmt::{self, Write as _};
 
 use crate::explain::{DroppedSaid, Explanation, PassSaid, Work};
+use crate::explain_clusters::ClustersSaid;
 
 /// Columns of a line.
 const WIDTH: usize = 100;
@@ -44,6 +45,9 @@ impl fmt::Display for Explanation {
                     if !slots.is_empty() {
                         entry(f, &lead, &slots.join(", "))?;
                     }
+                    if let Some(clusters) = &pass.clusters {
+                        entry(f, &lead, &out_of_view(clusters))?;
+                    }
                 }
             }
         }
@@ -72,6 +76,10 @@ impl Explanation {
             false => said,
         };
         entry(f, "", &said)?;
+        if let Some(allocated) = self.allocated_bytes.filter(|bytes| *bytes != kept.bytes) {
+            let said = "Textures that are never needed at once share memory, so that a frame takes";
+            entry(f, "", &format!("{said} {}.", bytes(allocated)))?;
+        }
         let promise = match self.within_px > 0.0 {
             true => format!(
                 "What is shown moves by no more than {} px because of that; with --exact, by nothing.",
@@ -116,7 +124,10 @@ impl Explanation {
             }
             entry(f, &lead, &said)?;
         }
-        writeln!(f, "\nTextures and buffers (without guard bands)")?;
+        match self.guarded {
+            None => writeln!(f, "\nTextures and buffers (without guard bands)")?,
+            Some([x, y]) => writeln!(f, "\nTextures and buffers (with a guard band: {x}×{y})")?,
+        }
         let longest = self.resources.iter().map(|r| r.name.chars().count());
         let longest = longest.max().unwrap_or(0);
         for resource in &self.resources {
@@ -157,6 +168,19 @@ fn why(dropped: &DroppedSaid) -> String {
         _ => format!(" (within {} px)", dropped.within_px),
     };
     format!("{}{promise}: {}", dropped.rule, dropped.because)
+}
+
+fn out_of_view(said: &ClustersSaid) -> String {
+    let all = counted(said.clusters, "cluster");
+    match said.appears {
+        None => format!("draws all of {all}: its modules do not say where points appear"),
+        Some(appears) => format!(
+            "{} (exact): leaves out {} of {all}, with {}; points appear {appears}",
+            said.rule,
+            grouped(said.dropped),
+            counted(said.triangles, "triangle"),
+        ),
+    }
 }
 
 fn drawn(by: &[String], not_by: &[String]) -> String {

@@ -7,6 +7,8 @@ use meniscus_shader::{Library, Name};
 use meniscus_source::ron::Spanned;
 use meniscus_source::{Diagnostic, Report};
 
+use crate::cull;
+
 /// Facts that `when` rules may refer to, with what they mean. Those of what is seen are careful:
 /// they hold unless it is certain that they do not.
 pub const KNOWN: &[(&str, &str)] = &[
@@ -201,7 +203,7 @@ fn unknown(rule: &Spanned<String>, name: &str) -> Diagnostic {
 }
 
 /// Whether the `when` lines of a library's slots, and the `identity` lines of its modules, name known
-/// facts.
+/// facts, and whether the `appears` lines say something known.
 pub fn check_facts(library: &Library) -> Report {
     let mut report = Report::default();
     for module in library.modules() {
@@ -219,6 +221,11 @@ pub fn check_facts(library: &Library) -> Report {
             && let Err(unknown) = Facts::default().hold(&rule_of(&identity.rule))
         {
             report.extend(unknown);
+        }
+        if let Some(said) = &module.header.appears
+            && let Err(wrong) = cull::check(library, said)
+        {
+            report.add(wrong);
         }
     }
     report

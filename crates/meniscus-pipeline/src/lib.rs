@@ -3,8 +3,11 @@
 mod checks;
 mod choose;
 mod composed;
+mod cull;
 mod diff;
 mod explain;
+mod explain_clusters;
+mod explain_memory;
 mod explain_parts;
 mod explain_text;
 mod facts;
@@ -25,11 +28,14 @@ mod sweep;
 mod uses;
 mod variant;
 
+pub use cull::{Appears, Cull};
 pub use diff::diff;
 pub use explain::{
     DroppedSaid, Explanation, FactSaid, ModuleSaid, ObjectsSaid, PassSaid, ResourceSaid,
     ShortcutSaid, Total, Work,
 };
+pub use explain_clusters::ClustersSaid;
+pub use explain_memory::Memory;
 pub use facts::{Facts, KNOWN as KNOWN_FACTS, check_facts};
 pub use file::{Dispatch, Over, Runs};
 pub use interface::SHOWN;

@@ -3,11 +3,12 @@
 use glam::{DVec2, DVec3, UVec2};
 use meniscus_scene::{Camera, Scene, View, Water, WaterGeometry};
 
+use crate::cull::Frustum;
 use crate::facts::Facts;
 use crate::host::BLOCK_WAVES;
 
 /// How many times as wide and high as its frame a view may be: see `Size::Guarded`.
-const WIDEST: f64 = 1.5;
+pub(crate) const WIDEST: f64 = 1.5;
 
 /// Pixels by which the water's rectangle is widened: the shaders' rays are rounded, and a fragment
 /// may be asked for by a neighbour.
@@ -156,7 +157,8 @@ impl Outlook {
     pub fn new(scene: &Scene, bounds: &SceneBounds, size: UVec2) -> Self {
         let water = &scene.water;
         let waves = !water.is_flat();
-        let view = scene.camera.view(size);
+        // As wide as a guard band may make it.
+        let widest = Frustum::new(&scene.camera.view(size), WIDEST);
         let Surface {
             displaced,
             reach,
@@ -189,7 +191,7 @@ impl Outlook {
             };
             counted.objects += 1;
             counted.triangles += object.triangles;
-            near_in_frame |= is_near && may_show(&view, object);
+            near_in_frame |= is_near && !widest.misses(object.low, object.high);
         }
         let any_near = near.objects + straddling.objects > 0;
         let any_far = far.objects + straddling.objects > 0;
@@ -267,34 +269,4 @@ fn below_horizon(view: &View, up: f64) -> Option<Rect> {
         low: low.as_uvec2(),
         high: high.as_uvec2(),
     })
-}
-
-/// Whether a box may be seen in a view, or in a wider one of the same camera: not when all its
-/// corners are behind the near plane or beyond one of the picture's edges.
-fn may_show(view: &View, bounds: &Bounds) -> bool {
-    let half = 0.5 * WIDEST * view.size.as_dvec2() + MARGIN_PX;
-    let mut outside = [true; 5];
-    for index in 0..8 {
-        let pick = |bit: usize, low: f64, high: f64| if index & bit == 0 { low } else { high };
-        let corner = DVec3::new(
-            pick(1, bounds.low.x, bounds.high.x),
-            pick(2, bounds.low.y, bounds.high.y),
-            pick(4, bounds.low.z, bounds.high.z),
-        );
-        let offset = corner - view.eye;
-        let depth = offset.dot(view.forward);
-        let across = offset.dot(view.right) * view.focal;
-        let along = offset.dot(view.up) * view.focal;
-        let sides = [
-            depth < 0.99 * view.near,
-            across > half.x * depth,
-            across < -half.x * depth,
-            along > half.y * depth,
-            along < -half.y * depth,
-        ];
-        for (all, side) in outside.iter_mut().zip(sides) {
-            *all &= side;
-        }
-    }
-    !outside.contains(&true)
 }

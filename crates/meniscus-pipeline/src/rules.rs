@@ -19,6 +19,8 @@ pub enum Rule {
     Unread,
     /// A texture or buffer that no pass reads or writes.
     Unused,
+    /// Triangles of a pass of which nothing can be in its view: see [`crate::Cull`].
+    OutOfView,
 }
 
 /// What a rule promises of the pictures with and without what it leaves out.
@@ -34,7 +36,7 @@ pub enum Promise {
 
 impl Rule {
     /// Every rule.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::When,
         Self::UnseenSide,
         Self::NoWater,
@@ -43,6 +45,7 @@ impl Rule {
         Self::EmptyList,
         Self::Unread,
         Self::Unused,
+        Self::OutOfView,
     ];
 
     /// Its name in explanations.
@@ -56,6 +59,7 @@ impl Rule {
             Self::EmptyList => "empty list",
             Self::Unread => "unread",
             Self::Unused => "unused",
+            Self::OutOfView => "out of view",
         }
     }
 
@@ -72,6 +76,7 @@ impl Rule {
             Self::EmptyList => "nothing runs over a list to which no pass adds",
             Self::Unread => "what nobody reads need not be made",
             Self::Unused => "what no pass uses takes no memory",
+            Self::OutOfView => "triangles that cannot appear in a pass's view are not drawn by it",
         }
     }
 

@@ -6,6 +6,7 @@
 
 mod camera;
 mod check;
+mod clusters;
 mod description;
 mod export;
 mod generate;
@@ -24,6 +25,7 @@ mod soup;
 mod water;
 
 pub use camera::{Camera, View};
+pub use clusters::{Cluster, Clusters, Side, WaterBand};
 pub use export::{
     CameraExport, MaterialExport, MotionExport, ObjectExport, SceneExport, SkyExport, SunExport, TilesExport,
     WaterExport, WaveExport,

@@ -155,6 +155,7 @@ pub fn pass(name: &str, kind: PassKind, shader: &Arc<Shader>, targets: &[&str]) 
         depth: None,
         view_target: Size::Frame,
         view_seen: Size::Frame,
+        appears: None,
     }
 }
 

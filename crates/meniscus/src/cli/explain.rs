@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use meniscus::gpu::Footprint;
 use meniscus::measure::write_atomically;
-use meniscus::pipeline::{Explanation, Plan, Pruning};
+use meniscus::pipeline::{Explanation, Memory, Plan, Pruning};
 use meniscus::{Project, outlook_of};
 
 use super::arguments::{Changes, Look};
@@ -58,12 +59,18 @@ pub(crate) fn run(project: &Project, explain: &Explain) -> Result<(), Failure> {
     let scene = explain.look.scene(project)?;
     let outlook = outlook_of(&scene, explain.look.size);
     let pruning = explain.skipping.pruning();
+    let plan = |pruning| Plan::pruned(pipeline, &project.composer, &outlook.facts, pruning, false);
     let text = if explain.dot {
-        let plan =
-            |pruning| Plan::pruned(pipeline, &project.composer, &outlook.facts, pruning, false);
         plan(pruning)?.dot_over(pipeline, &plan(Pruning::None)?)
     } else {
         let explanation = Explanation::new(pipeline, &project.composer, &outlook, pruning)?;
+        let (size, skipping) = (outlook.size, pruning.into());
+        let footprint = Footprint::new(&plan(pruning)?, &scene, size, skipping);
+        let memory = Memory {
+            guarded: footprint.guarded,
+            allocated: footprint.bytes,
+        };
+        let explanation = explanation.with_clusters(&scene).with_memory(memory);
         match explain.json {
             true => {
                 let value = serde_json::to_string_pretty(&explanation);
