@@ -15,10 +15,10 @@ use crate::{Gpu, GpuError, pipelines};
 
 /// Pixels on the side of a block that a workgroup looks at, and its threads, each of which may find a
 /// rectangle.
-const BLOCK: u32 = 64;
-const WORKGROUP: u32 = 64;
+const BLOCK: u32 = 128;
+const WORKGROUP: u32 = 256;
 
-const SHADER: &str = include_str!("tiles.wgsl");
+const SHADER: &str = concat!(include_str!("wet.wgsl"), include_str!("tiles.wgsl"));
 
 /// The vertex stage of passes that are drawn as tiles: two triangles each.
 pub(crate) const VERTEX: &str = "

@@ -1,26 +1,14 @@
-// Lists rectangles of a picture that hold every pixel that may show water: whose depth is not before
-// the plane that bounds the waves, or where nothing stands.
-// A workgroup looks at a block of 64 × 64 pixels, a thread at 8 × 8 of them. Rectangles are joined,
+// Lists rectangles of a picture that hold every pixel that may show water (wet.wgsl).
+// A workgroup looks at a block of 128 × 128 pixels, a thread at 8 × 8 of them. Rectangles are joined,
 // four to one, where that costs less: a rectangle is drawn as two triangles, and adapters shade what
 // lies along their common edge twice, by squares of pixels. Where all together cost as much as the
 // picture, one triangle stands for them.
-
-struct Region {
-    // The plane's reversed depth at a pixel: dot(plane, vec3f(pixel, 1)).
-    plane: vec3f,
-    // The pixels that are looked at: from `low` up to, but not, `high`.
-    low: vec2u,
-    high: vec2u,
-    size: vec2f,
-}
 
 struct Found {
     count: atomic<u32>,
     cost: atomic<u32>,
 }
 
-@group(0) @binding(0) var<uniform> region: Region;
-@group(0) @binding(1) var front: texture_depth_2d;
 @group(0) @binding(2) var<storage, read_write> found: Found;
 // Corners in clip space: x and y of one, then of the opposite one.
 @group(0) @binding(3) var<storage, read_write> tiles: array<vec4f>;
@@ -28,64 +16,18 @@ struct Found {
 @group(0) @binding(4) var<storage, read_write> arguments: array<u32, 4>;
 
 const LEAF = 8u;
-const BLOCK = 64u;
-// The side of a square by which costs are counted, and to which rectangles are aligned.
-const SQUARE = 4u;
-const NOTHING = vec4u(0xffffffffu, 0xffffffffu, 0u, 0u);
-// Where the nodes of 8, 16, 32 and 64 pixels begin, of which there are 8, 4, 2 and 1 in a row.
-const FIRST = array(0u, 64u, 80u, 84u);
+const BLOCK = 128u;
+// Leaves in a row of a block.
+const ROW = 16u;
+const LEVELS = 4u;
+// Where the nodes of 8, 16, 32, 64 and 128 pixels begin, of which there are 16, 8, 4, 2 and 1 in a row.
+const FIRST = array(0u, 256u, 320u, 336u, 340u);
 
 // Of every node: its rectangle (low, high), what its part of the picture costs, and whether it
 // stands for the four below it.
-var<workgroup> boxes: array<vec4u, 85>;
-var<workgroup> costs: array<u32, 85>;
-var<workgroup> joined: array<bool, 85>;
-
-fn may_show(x: u32, y: u32) -> bool {
-    let before = textureLoad(front, vec2u(x, y), 0);
-    return before == 0.0 || before <= dot(region.plane, vec3f(vec2f(vec2u(x, y)) + 0.5, 1.0));
-}
-
-// The rectangle around what may show water; looked for from its four sides.
-fn wet_box(low: vec2u, high: vec2u) -> vec4u {
-    var top = low.y;
-    var seen = false;
-    for (var i = 0u; i < LEAF && top < high.y && !seen; i++) {
-        for (var x = low.x; x < high.x && !seen; x++) {
-            seen = may_show(x, top);
-        }
-        top += select(1u, 0u, seen);
-    }
-    if !seen {
-        return NOTHING;
-    }
-    var bottom = high.y;
-    seen = false;
-    for (var i = 0u; i < LEAF && !seen; i++) {
-        for (var x = low.x; x < high.x && !seen; x++) {
-            seen = may_show(x, bottom - 1u);
-        }
-        bottom -= select(1u, 0u, seen);
-    }
-    var left = low.x;
-    seen = false;
-    for (var i = 0u; i < LEAF && !seen; i++) {
-        for (var y = top; y < bottom && !seen; y++) {
-            seen = may_show(left, y);
-        }
-        left += select(1u, 0u, seen);
-    }
-    var right = high.x;
-    seen = false;
-    for (var i = 0u; i < LEAF && !seen; i++) {
-        for (var y = top; y < bottom && !seen; y++) {
-            seen = may_show(right - 1u, y);
-        }
-        right -= select(1u, 0u, seen);
-    }
-    let ends = (vec2u(right, bottom) + SQUARE - 1u) / SQUARE;
-    return vec4u(SQUARE * (vec2u(left, top) / SQUARE), SQUARE * ends);
-}
+var<workgroup> boxes: array<vec4u, 341>;
+var<workgroup> costs: array<u32, 341>;
+var<workgroup> joined: array<bool, 341>;
 
 // Squares that are shaded for a rectangle; those on its diagonal twice.
 fn cost_of(box: vec4u) -> u32 {
@@ -99,7 +41,7 @@ fn cost_of(box: vec4u) -> u32 {
 }
 
 fn join(level: u32, index: u32) {
-    let row = 8u >> level;
+    let row = ROW >> level;
     let at = 2u * vec2u(index % row, index / row);
     var box = NOTHING;
     var apart = 0u;
@@ -120,28 +62,28 @@ fn clip(pixel: vec2u) -> vec2f {
     return vec2f(2.0 * part.x - 1.0, 1.0 - 2.0 * part.y);
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(256)
 fn classify(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) thread: u32) {
     let origin = region.low / BLOCK;
     let blocks = (region.high.x + BLOCK - 1u) / BLOCK - origin.x;
-    let place = vec2u(thread % 8u, thread / 8u);
+    let place = vec2u(thread % ROW, thread / ROW);
     let block = BLOCK * (origin + vec2u(group.x % blocks, group.x / blocks));
     let low = block + LEAF * place;
     let box = wet_box(clamp(low, region.low, region.high), clamp(low + LEAF, region.low, region.high));
     boxes[thread] = box;
     costs[thread] = cost_of(box);
     joined[thread] = true;
-    for (var level = 1u; level <= 3u; level++) {
+    for (var level = 1u; level <= LEVELS; level++) {
         workgroupBarrier();
-        if thread < (64u >> (2u * level)) {
+        if thread < (256u >> (2u * level)) {
             join(level, thread);
         }
     }
     workgroupBarrier();
     // The first thread of the largest node that stands for itself lists it.
-    for (var level = 4u; level > 0u; level--) {
+    for (var level = LEVELS + 1u; level > 0u; level--) {
         let below = level - 1u;
-        let node = FIRST[below] + (place.y >> below) * (8u >> below) + (place.x >> below);
+        let node = FIRST[below] + (place.y >> below) * (ROW >> below) + (place.x >> below);
         if !joined[node] {
             continue;
         }
