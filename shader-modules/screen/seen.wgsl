@@ -2,19 +2,19 @@
 // World space, metres; texels with centres at half integers. Where nothing was drawn the id is −1.
 //
 // needs: geometry/octahedral, screen/neighbours, screen/seen_point
-// domain: seen_at(texel -100 to 1e4)
+// domain: seen_at(texel -100 to 1e4, neighbours 0 to 24)
 
 var seen_position: texture_2d<f32>;
 var seen_normal: texture_2d<f32>;
 
 // The point seen at a place of the seen buffers, clamped to them; at the water's edge, where the
-// nearest texel may show nothing, that of a neighbour. The position is bilinear over the texels
+// nearest texel may show nothing, that of one of so many neighbours. The position is bilinear over the texels
 // that show the same object; the normals are the nearest texel's.
-fn seen_at(texel: vec2f) -> Seen {
+fn seen_at(texel: vec2f, neighbours: i32) -> Seen {
     let last = vec2i(textureDimensions(seen_position)) - 1;
     var nearest = clamp(vec2i(floor(texel)), vec2i(0), last);
     var kept = textureLoad(seen_position, nearest, 0);
-    for (var i = 0; i < NEIGHBOURS && kept.w < 0.0; i++) {
+    for (var i = 0; i < min(neighbours, NEIGHBOURS) && kept.w < 0.0; i++) {
         nearest = clamp(vec2i(floor(texel)) + neighbour(i), vec2i(0), last);
         kept = textureLoad(seen_position, nearest, 0);
     }
