@@ -38,7 +38,10 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
         // |slope| ≥ 1e-4 and one sign: the quotient is finite and positive.
         let meets = slope * offset > 0.0 && abs(slope) > 1e-4;
         let reach = select(way, offset / select(1.0, slope, meets), shown);
-        position = select(ray.origin + reach * ray.direction, near.position, shown && !meets);
+        let along = ray.origin + reach * ray.direction;
+        // A sum of large numbers lies beside the plane by their rounding; it is put back onto it, along the ray.
+        let beside = select(0.0, dot(near.normal, near.position - along) / select(1.0, slope, meets), shown);
+        position = select(along + beside * ray.direction, near.position, shown && !meets);
         place = reproject(position);
         if shown || i > probes {
             break;

@@ -27,12 +27,13 @@ override refinements: i32 = 2;
 // How far the ray is followed.
 override reach: f32 = 30.0;
 
-// A point of the ray: how far along it, where it appears, and how far in front of what was drawn.
+// A point of the ray: how far along it, where it appears and at what depth, and the depth of what was drawn
+// there.
 struct Marched {
     along: f32,
     texel: vec2f,
     depth: f32,
-    gap: f32,
+    drawn: f32,
 }
 
 // 1 / depth as depth; far away where nothing was drawn.
@@ -42,11 +43,20 @@ fn curved_depth(inverse: f32) -> f32 {
 
 fn marched(ray: Ray, along: f32) -> Marched {
     let appears = view_pixel(view_seen(), place(ray.origin + along * ray.direction));
-    return Marched(along, appears.xy, appears.z, curved_depth(drawn(vec2i(floor(appears.xy)))) - appears.z);
+    return Marched(along, appears.xy, appears.z, curved_depth(drawn(vec2i(floor(appears.xy)))));
+}
+
+// Where, from one point to another, the ray passes behind what was drawn if both are straight between them;
+// half-way where it draws no nearer.
+fn curved_secant(before: Marched, after: Marched) -> f32 {
+    let start = before.drawn - before.depth;
+    let fall = start - (after.drawn - after.depth);
+    return select(0.5, start / fall, fall > 1e-9);
 }
 
 fn outside(texel: vec2f) -> bool {
-    return any(texel != clamp(texel, vec2f(0.0), vec2f(textureDimensions(seen_depth))));
+    let half = 0.5 * vec2f(textureDimensions(seen_depth));
+    return any(abs(texel - half) > half);
 }
 
 fn intersect(ray: Ray, texel: vec2f) -> Hit {
@@ -54,12 +64,11 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
     let ends = view_ends(view, ray, reach);
     let start = marched(ray, 0.0);
     let end = marched(ray, ends.far);
-    // 1 / depth, of which the line between them has equal parts in equal steps on the screen.
-    let inverse = 1.0 / ends.depths;
+    // 1 / depth, of which the line between them has equal parts in equal steps on the screen. Right before the
+    // eye, where a difference leaves few digits, steps may be longer.
+    let inverse = 1.0 / max(vec2f(start.depth, end.depth), vec2f(max(0.05 * start.depth, view.near)));
     let stride_part = stride / max(length(end.texel - start.texel), stride);
-    // What it gains of where it appears.
-    let appears = 1.0 / max(vec2f(start.depth, end.depth), vec2f(view.near));
-    var gain = appears.y - appears.x;
+    var gain = inverse.y - inverse.x;
     var part = 0.0;
     var counted_from = 0.0;
     var strides = 0.0;
@@ -73,22 +82,22 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
     for (var i = 0; i < steps && !met; i++) {
         // By the stride, or just beyond what was drawn, so that the next point is behind it where both run
         // straight; half-way at first, to see what lies between.
-        let apart = select(1.02, 0.5, i == 0) * before.gap / (before.depth + before.gap) + 1e-5;
-        let to_gap = select(1.0, apart / max(-gain * before.depth, 1e-6), before.gap > 0.0);
+        let apart = select(1.02, 0.5, i == 0) * (1.0 - before.depth / before.drawn) + 1e-5;
+        let to_gap = select(1.0, apart / max(-gain * before.depth, 1e-6), before.drawn > before.depth);
         // Strides are counted: the rounding of many sums adds up to texels that are missed.
         strides = select(strides + 1.0, 0.0, to_gap < stride_part);
         counted_from = select(counted_from, part + to_gap, to_gap < stride_part);
         part = min(counted_from + strides * stride_part, 1.0);
         after = marched(ray, ends.far * part * inverse.y / mix(inverse.x, inverse.y, part));
         left = outside(after.texel);
-        met = after.gap <= 0.0 && before.depth <= after.depth + after.gap + thickness;
+        met = after.drawn <= after.depth && before.depth <= after.drawn + thickness;
         if left || part >= 1.0 {
             break;
         }
         if !met {
             before = after;
             // By the whole way so far: of a difference between neighbours rounding would leave little.
-            gain = (1.0 / max(after.depth, view.near) - appears.x) / part;
+            gain = (1.0 / max(after.depth, view.near) - inverse.x) / part;
         }
     }
     if !met {
@@ -98,21 +107,19 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
         let shows = drawn_about(vec2i(floor(shown_at))) > 0.0;
         return Hit(ray.origin, vec3f(0.0), vec3f(0.0), -1.0, shown_at, 0.0, shows, ray.direction);
     }
-    before.gap = curved_depth(drawn_between(before.texel)) - before.depth;
-    after.gap = curved_depth(drawn_between(after.texel)) - after.depth;
+    before.drawn = curved_depth(drawn_between(before.texel));
+    after.drawn = curved_depth(drawn_between(after.texel));
     for (var i = 0; i < refinements; i++) {
-        let fall = before.gap - after.gap;
-        let secant = clamp(select(0.5, before.gap / fall, fall > 1e-9), -0.5, 1.5);
+        let secant = clamp(curved_secant(before, after), -0.5, 1.5);
         var middle = marched(ray, max(mix(before.along, after.along, secant), 0.0));
-        middle.gap = curved_depth(drawn_between(middle.texel)) - middle.depth;
-        if middle.gap > 0.0 {
+        middle.drawn = curved_depth(drawn_between(middle.texel));
+        if middle.drawn > middle.depth {
             before = middle;
         } else {
             after = middle;
         }
     }
-    let slope = before.gap - after.gap;
-    let weight = clamp(select(0.5, before.gap / slope, slope > 1e-9), 0.0, 1.0);
+    let weight = clamp(curved_secant(before, after), 0.0, 1.0);
     let position = ray.origin + mix(before.along, after.along, weight) * ray.direction;
     let shown_at = mix(before.texel, after.texel, weight);
     return Hit(position, vec3f(0.0), vec3f(0.0), -1.0, shown_at, 0.0, true, ray.direction);

@@ -18,12 +18,15 @@ var seen_object: texture_2d<f32>;
 // The point that appears at a place, at a distance along the ray's direction, through flat water.
 fn unbent(appears: vec3f, direction: vec3f) -> vec3f {
     let below = water.camera_side * (water.level - appears.z);
-    let tangent = dot(direction.xy, direction.xy) / max(direction.z * direction.z, 1e-12);
-    let n = water.larger_index * water.larger_index;
-    let m = water.root_high * water.root_high;
-    // Of the squares of the tangents on both sides, as of the crossing's `shrink`.
-    let from_low = sqrt(n + m * tangent);
-    let from_high = sqrt(max(1.0 - m * tangent, 1e-12)) / water.larger_index;
+    let n = water.larger_index;
+    let m = water.root_high;
+    // From the tangent t of the appearing angle, as the crossing's `shrink`: √(N² + M t²) from the side of the
+    // lower index, √(1 − M t²) / N from the other, with M = N² − 1. With s = 1 / √(1 + t²) the latter is
+    // √((N s − √M) (N s + √M)) / (N s), of which only one part cancels, at the critical angle.
+    let steep = max(abs(direction.z), 1e-6);
+    let tangent = length(direction.xy) / steep;
+    let from_low = sqrt(n * n + m * tangent * (m * tangent));
+    let from_high = sqrt(max((n * steep - m) * (n * steep + m), 1e-12)) / (n * steep);
     let ratio = select(from_high, from_low, water.relative_index >= 1.0);
     return vec3f(appears.xy, water.level - water.camera_side * below * select(1.0, ratio, below > 0.0));
 }
