@@ -137,6 +137,31 @@ fn a_module_that_wrongly_says_that_it_changes_nothing_is_found() {
 }
 
 #[test]
+fn a_module_that_wrongly_says_where_points_appear_is_found() {
+    let there = folder();
+    let modules = there.path().join("modules");
+    let path = "optics/apparent_position";
+    let honest = std::fs::read_to_string(format!("shader-modules/{path}.wgsl")).unwrap();
+    let wrong = honest.replace("appears: on its vertical", "appears: in place");
+    assert_ne!(wrong, honest);
+    write(&modules.join(format!("{path}.wgsl")), wrong);
+    let line = "prove refraction/bounded --scene pool --set camera.field_of_view=20 --size 40x30 \
+        --set camera.target.z=0 --cases 6 --modules";
+    let mut arguments = words(line);
+    arguments.push(text(&modules));
+    meniscus(arguments).ended(1, &["differs", "with all pruning"]);
+    let unknown = honest.replace("appears: on its vertical", "appears: on its vertica");
+    write(&modules.join(format!("{path}.wgsl")), unknown);
+    let mut arguments = words("check --modules");
+    arguments.push(text(&modules));
+    let told = [
+        "apparent_position.wgsl:5:",
+        "did you mean `on its vertical`?",
+    ];
+    meniscus(arguments).refused(&told);
+}
+
+#[test]
 fn a_promise_of_less_than_is_kept_is_found() {
     let there = folder();
     let modules = there.path().join("modules");
