@@ -24,6 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         scene: project.scene("pool", &[Setting::new("water.rms_slope", "0.1")])?,
         truth: WaterGeometry::Displaced,
         size: [320, 180],
+        pruning: Default::default(),
         rounds: Rounds::default(),
         without: Vec::new(),
         settings: Map::new(),

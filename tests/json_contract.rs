@@ -93,6 +93,7 @@ fn the_keys_are_those_of_the_contract() {
             "device_type",
             "meniscus",
             "commit",
+            "left_out",
         ],
         &[],
     );
@@ -126,6 +127,7 @@ fn the_keys_are_those_of_the_contract() {
                 "relative",
                 "shaders",
                 "not_finite_pixels",
+                "within_px",
                 "warnings",
                 "preprocessing_ms",
                 "dominated_by",
@@ -233,6 +235,24 @@ fn what_was_set_is_recorded() {
     let name = results["rows"][0]["pipeline"].as_str().expect("a name");
     assert!(name.starts_with("refraction/combined"), "{name}");
     assert!(name.contains(changed), "{name}");
+}
+
+#[test]
+fn what_was_left_out_is_recorded() {
+    let line = "refraction/combined --rounds 1 --set water.rms_slope=0";
+    let told = |more: &str| {
+        let results = results(&format!("{line} {more}"));
+        let row = row(&results, "refraction/combined");
+        let left_out = results["provenance"]["left_out"].clone();
+        (left_out, number(row, "/within_px"), row["shaders"].clone())
+    };
+    let (left_out, within_px, short) = told("");
+    assert_eq!(left_out, "within_px");
+    assert!(within_px > 0.0, "{within_px}");
+    let (left_out, within_px, whole) = told("--exact");
+    assert_eq!(left_out, "exact");
+    assert_eq!(within_px, 0.0);
+    assert_ne!(short, whole, "the same shortcuts are taken");
 }
 
 #[test]

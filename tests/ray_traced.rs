@@ -31,6 +31,7 @@ fn run(
         scene,
         truth: geometry,
         size: [160, 90],
+        pruning: Default::default(),
         rounds: Rounds {
             warm_up: 0,
             counted: 1,

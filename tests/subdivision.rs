@@ -20,6 +20,7 @@ fn run(scene: &str, slope: &str) -> Outcome {
         truth: scene.water.geometry,
         scene,
         size: [320, 180],
+        pruning: Default::default(),
         rounds: Rounds {
             warm_up: 0,
             counted: 1,

@@ -20,6 +20,8 @@ pub struct Said {
 pub fn program() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_meniscus"));
     command.env("NODEVICE_SELECT", "1");
+    // Tests leave nothing in the user's folders.
+    command.env("MENISCUS_CACHE", "off");
     command
 }
 

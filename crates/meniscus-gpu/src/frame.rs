@@ -185,8 +185,12 @@ impl Frame {
             Some(watch) => (Instrument::Timestamps(watch), Some(&watch.queries)),
             None => (Instrument::Nothing, None),
         };
-        let wall_ms = self.run(instrument, queries, None)?;
-        self.parts.reuse.done();
+        let ran = self.run(instrument, queries, None);
+        match ran {
+            Ok(_) => self.parts.reuse.done(),
+            Err(_) => self.parts.reuse.forget(),
+        }
+        let wall_ms = ran?;
         let ticks = queries.map(|q| q.read(&self.gpu)).transpose()?;
         let stamps: Option<Vec<[u64; 2]>> =
             ticks.map(|ticks| ticks.chunks_exact(2).map(|p| [p[0], p[1]]).collect());

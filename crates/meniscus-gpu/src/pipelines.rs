@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use meniscus_pipeline::PlannedPass;
 use meniscus_shader::{Binding, BindingKind, Entry, Sample, Shader};
@@ -49,17 +49,7 @@ pub(crate) enum Stages {
 impl PipelineCache {
     /// How many shader modules and how many pipelines were made.
     pub fn sizes(&self) -> (usize, usize) {
-        let modules = self
-            .modules
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .len();
-        let pipelines = self
-            .pipelines
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .len();
-        (modules, pipelines)
+        (held(&self.modules).len(), held(&self.pipelines).len())
     }
 
     /// The pipeline of a pass that writes targets of these formats. One that is `tiled` draws tiles
@@ -80,12 +70,7 @@ impl PipelineCache {
             depth: pass.depth.is_some(),
             tiled,
         };
-        let known = self
-            .pipelines
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .get(&key)
-            .cloned();
+        let known = held(&self.pipelines).get(&key).cloned();
         if let Some(known) = known {
             return Ok(known);
         }
@@ -97,11 +82,7 @@ impl PipelineCache {
             false => None,
         };
         let pipeline = Arc::new(make(gpu, pass, &module, formats, tiles.as_ref())?);
-        let mut pipelines = self
-            .pipelines
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        Ok(pipelines.entry(key).or_insert(pipeline).clone())
+        Ok(held(&self.pipelines).entry(key).or_insert(pipeline).clone())
     }
 
     fn tile_vertices(&self, gpu: &Gpu) -> Result<wgpu::ShaderModule, GpuError> {
@@ -119,19 +100,20 @@ impl PipelineCache {
 
     fn module(&self, gpu: &Gpu, pass: &PlannedPass) -> Result<wgpu::ShaderModule, GpuError> {
         let shader = &pass.shader;
-        let known = self
-            .modules
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .get(&shader.hash)
-            .cloned();
+        let known = held(&self.modules).get(&shader.hash).cloned();
         if let Some(known) = known {
             return Ok(known);
         }
         let module = shader_module(gpu, &pass.name, &shader.module)?;
-        let mut modules = self.modules.lock().unwrap_or_else(PoisonError::into_inner);
-        Ok(modules.entry(shader.hash.clone()).or_insert(module).clone())
+        let mut modules = held(&self.modules);
+        let held = modules.entry(shader.hash.clone()).or_insert(module);
+        Ok(held.clone())
     }
+}
+
+/// What a mutex guards; nothing that is held here can be left half-made.
+fn held<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The numbers that a pipeline is made with: all but the live ones, which stand in a buffer.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::UVec2;
-use meniscus_pipeline::{Format, Plan, Size};
+use meniscus_pipeline::{Buffer, Format, Plan, Size};
 
 use crate::host_scene::Views;
 use crate::sharing::{self, Wanted};
@@ -53,7 +53,7 @@ pub(crate) fn check_size(gpu: &Gpu, what: &str, size: UVec2) -> Result<(), GpuEr
 }
 
 /// What must be alike for textures to share memory: format, size, and whether shaders store to it.
-type Kind = (Format, UVec2, bool);
+pub(crate) type Kind = (Format, UVec2, bool);
 
 impl Resources {
     /// Makes the textures and buffers of a plan. With `share`, textures that are never needed at
@@ -66,14 +66,9 @@ impl Resources {
             views.size(Size::Guarded),
         )?;
         let textures = textures(gpu, plan, views, share)?;
-        let pixels = views.size(Size::Frame);
-        let pixels = u64::from(pixels.x) * u64::from(pixels.y);
         let mut buffers = BTreeMap::new();
         for (name, buffer) in &plan.buffers {
-            let bytes = buffer
-                .bytes_per_pixel
-                .checked_mul(pixels)
-                .and_then(|b| b.checked_add(buffer.bytes));
+            let bytes = buffer_bytes(buffer, views.size(Size::Frame));
             buffers.insert(name.clone(), storage(gpu, name, bytes, buffer.indirect)?);
         }
         let sampler = gpu.create("the sampler", || {
@@ -129,15 +124,27 @@ impl Resources {
 }
 
 fn bytes(t: &Target) -> u64 {
-    u64::from(t.size.x) * u64::from(t.size.y) * u64::from(formats::texel_bytes(t.format))
+    texture_bytes(t.format, t.size)
 }
 
-fn textures(
-    gpu: &Gpu,
-    plan: &Plan,
-    views: &Views,
-    share: bool,
-) -> Result<BTreeMap<String, Target>, GpuError> {
+fn texture_bytes(format: Format, size: UVec2) -> u64 {
+    u64::from(size.x) * u64::from(size.y) * u64::from(formats::texel_bytes(format))
+}
+
+/// Bytes of a texture of a kind.
+pub(crate) fn kind_bytes((format, size, _): Kind) -> u64 {
+    texture_bytes(format, size)
+}
+
+/// Bytes of a buffer in whole words, for a frame of this size; none where they are too many to count.
+pub(crate) fn buffer_bytes(buffer: &Buffer, frame: UVec2) -> Option<u64> {
+    let pixels = u64::from(frame.x) * u64::from(frame.y);
+    let bytes = buffer.bytes_per_pixel.checked_mul(pixels)?;
+    bytes.checked_add(buffer.bytes)?.checked_next_multiple_of(4)
+}
+
+/// The textures of a plan in the order of their names, and the memory that each has, by a number.
+pub(crate) fn placed(plan: &Plan, views: &Views, share: bool) -> (Vec<Wanted<Kind>>, Vec<usize>) {
     let uses = Uses::new(plan);
     let lives = uses.lifetimes();
     let life = |name: &str| {
@@ -159,6 +166,16 @@ fn textures(
         })
         .collect();
     let memories = sharing::memories(&wanted);
+    (wanted, memories)
+}
+
+fn textures(
+    gpu: &Gpu,
+    plan: &Plan,
+    views: &Views,
+    share: bool,
+) -> Result<BTreeMap<String, Target>, GpuError> {
+    let (wanted, memories) = placed(plan, views, share);
     let mut made: Vec<Target> = Vec::new();
     let mut textures = BTreeMap::new();
     for ((name, wanted), memory) in plan.textures.keys().zip(&wanted).zip(memories) {
@@ -218,7 +235,7 @@ fn target(gpu: &Gpu, name: &str, wanted: &Wanted<Kind>, memory: usize) -> Result
     })
 }
 
-/// A buffer of this many bytes, which are rounded up to whole words; too many are none.
+/// A buffer of this many bytes, a multiple of 4; too many are none.
 fn storage(
     gpu: &Gpu,
     name: &str,
@@ -244,7 +261,7 @@ fn storage(
     }
     let descriptor = wgpu::BufferDescriptor {
         label: Some(name),
-        size: size.next_multiple_of(4),
+        size,
         usage,
         mapped_at_creation: false,
     };

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::UVec2;
 use meniscus_gpu::{Gpu, GpuError, PipelineCache, SceneBuffers};
 use meniscus_measure::{Judgement, MeasureError, Results, TruthGeometry};
-use meniscus_pipeline::Pipeline;
+use meniscus_pipeline::{Pipeline, Pruning};
 use meniscus_reference::{Tracer, Truth};
 use meniscus_scene::{Scene, View, WaterGeometry};
 use meniscus_source::Report;
@@ -38,6 +38,8 @@ pub struct Ablation {
     pub truth: WaterGeometry,
     /// Width and height, pixels.
     pub size: [u32; 2],
+    /// What of the pipelines may be left out.
+    pub pruning: Pruning,
     /// How often each is rendered.
     pub rounds: Rounds,
     /// Those of the pipelines that are others without a filling.
@@ -154,6 +156,7 @@ impl Ablation {
             scene: Arc::new(SceneBuffers::new(gpu, &self.scene)?),
             size,
             facts: facts_of(&self.scene, self.size),
+            pruning: self.pruning,
         };
         let mut subjects = Vec::new();
         for (index, pipeline) in self.pipelines.iter().enumerate() {
@@ -184,7 +187,7 @@ impl Ablation {
             .collect();
         let judged = rows.first().map(|row| &row.judgement);
         let mut results = Results {
-            provenance: provenance(gpu),
+            provenance: provenance(gpu, self.pruning),
             scene: self.scene.name.clone(),
             settings: self.settings.clone(),
             size: self.size,

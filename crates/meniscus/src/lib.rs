@@ -2,7 +2,8 @@
 //! right.
 //!
 //! A [`Project`] holds modules, pipelines and scenes, the built-in ones and those of directories.
-//! [`Picture`] renders one pipeline, an [`Ablation`] several, beside ray-traced truth. The parts are
+//! [`Picture`] renders one pipeline, a [`Sequence`] one at several moments, an [`Ablation`] several beside
+//! ray-traced truth. The parts are
 //! crates of their own and re-exported here.
 
 mod ablation;
@@ -10,6 +11,7 @@ mod costs;
 mod device_run;
 mod facts;
 mod judging;
+mod lists;
 mod marginal;
 mod moments;
 mod on_gpu;
@@ -24,6 +26,7 @@ mod rivalry;
 mod rounds;
 mod rows;
 mod scene_stress;
+mod sequence;
 mod solvers;
 mod stability;
 mod subject;
@@ -48,6 +51,7 @@ pub use rounds::{Rounds, Until};
 pub use scene_stress::{
     Distance, SceneCheck, SceneFailure, SceneStress, StressedScenes, oddity_names,
 };
+pub use sequence::{Sequence, Shot};
 pub use solvers::{Solver, solvers};
 pub use stability::{StabilityData, solvers_figures, stability_page};
 pub use sweep::{Axis, Partition, fingerprint, points};

@@ -1,17 +1,13 @@
 //! One pipeline, one scene, one picture.
 
-use std::sync::Arc;
-
-use glam::UVec2;
-use meniscus_gpu::{Frame, Gpu, GpuError, PipelineCache, SceneBuffers};
+use meniscus_gpu::{Gpu, GpuError};
 use meniscus_measure::to_srgb8;
-use meniscus_pipeline::{Pipeline, Plan, Pruning};
+use meniscus_pipeline::{Pipeline, Pruning};
 use meniscus_scene::Scene;
 
 use crate::ablation::AblationError;
-use crate::facts::facts_of;
 use crate::project::Project;
-use crate::subject::rgb;
+use crate::sequence::Sequence;
 
 /// Why there is no picture.
 pub type PictureError = AblationError;
@@ -40,7 +36,8 @@ impl Picture {
         Self::render_pruned(project, gpu, pipeline, scene, size, Pruning::default())
     }
 
-    /// Renders a pipeline, of which no more is left out than `pruning` says.
+    /// Renders a pipeline, of which no more is left out than `pruning` says; with [`Pruning::None`]
+    /// nothing is, and no two textures share memory.
     ///
     /// # Errors
     /// As [`Picture::render`].
@@ -52,17 +49,8 @@ impl Picture {
         size: [u32; 2],
         pruning: Pruning,
     ) -> Result<Self, PictureError> {
-        check_size(gpu, size)?;
-        let facts = facts_of(scene, size);
-        let plan = Plan::pruned(pipeline, &project.composer, &facts, pruning, false)?;
-        let buffers = Arc::new(SceneBuffers::new(gpu, scene)?);
-        let (size_px, cache) = (UVec2::from_array(size), PipelineCache::default());
-        let mut frame = Frame::new(gpu, &plan, buffers, size_px, &cache)?;
-        frame.render()?;
-        let pixels = frame.read(&plan.output)?;
-        let texels = pixels.data.chunks_exact(pixels.channels);
-        let colours = texels.map(rgb).collect();
-        Ok(Self { size, colours })
+        let mut sequence = Sequence::new(project, gpu, pipeline, scene, size, pruning)?;
+        Ok(sequence.shot(scene)?.picture)
     }
 
     /// The picture as 8-bit sRGB; what is not finite shows as magenta, so that it is seen.

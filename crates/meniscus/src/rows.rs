@@ -48,6 +48,7 @@ impl Ablation {
         let hashes = hashes.map(|pass| (pass.name.clone(), json!(pass.shader.hash)));
         more.insert("shaders".into(), Value::Object(hashes.collect()));
         let not_finite: usize = outcomes.iter().map(RowOutcome::not_finite).sum();
+        more.insert("within_px".into(), json!(plan.within_px));
         more.insert("not_finite_pixels".into(), json!(not_finite));
         more.insert("preprocessing_ms".into(), json!(preprocessing_ms));
         let errors: Vec<_> = outcomes

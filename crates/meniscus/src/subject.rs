@@ -6,11 +6,12 @@ use std::sync::Arc;
 use glam::UVec2;
 use meniscus_gpu::{Frame, Gpu, PipelineCache, SceneBuffers};
 use meniscus_measure::Seen;
-use meniscus_pipeline::{Facts, Pipeline, Plan};
+use meniscus_pipeline::{Facts, Pipeline, Plan, Pruning};
 use meniscus_scene::Scene;
 use meniscus_shader::Composer;
 
 use crate::AblationError;
+use crate::lists::listed;
 
 /// A pipeline, and its frames: one to time and look at, one that tells what is shown.
 pub(crate) struct Subject {
@@ -27,30 +28,35 @@ pub(crate) struct Stage<'a> {
     pub scene: Arc<SceneBuffers>,
     pub size: UVec2,
     pub facts: Facts,
+    pub pruning: Pruning,
+}
+
+impl Stage<'_> {
+    fn plan(&self, pipeline: &Pipeline, shown: bool) -> Result<Plan, AblationError> {
+        let plan = Plan::pruned(pipeline, self.composer, &self.facts, self.pruning, shown);
+        Ok(plan?)
+    }
+
+    fn frame(&self, plan: &Plan) -> Result<Frame, AblationError> {
+        let (scene, skipping) = (self.scene.clone(), self.pruning.into());
+        let frame = Frame::with(self.gpu, plan, scene, self.size, self.cache, skipping);
+        Ok(frame?)
+    }
 }
 
 impl Subject {
     pub fn new(pipeline: &Pipeline, stage: &Stage) -> Result<Self, AblationError> {
-        let plan = Plan::new(pipeline, stage.composer, &stage.facts, false)?;
-        let shown = Plan::new(pipeline, stage.composer, &stage.facts, true)?;
         Ok(Self {
             name: pipeline.name.clone(),
-            frame: Frame::new(
-                stage.gpu,
-                &plan,
-                stage.scene.clone(),
-                stage.size,
-                stage.cache,
-            )?,
-            shown,
+            frame: stage.frame(&stage.plan(pipeline, false)?)?,
+            shown: stage.plan(pipeline, true)?,
         })
     }
 
     /// Renders once and reads the colours, linear RGB.
     pub fn colours(&mut self) -> Result<Vec<[f32; 3]>, AblationError> {
         self.frame.render()?;
-        let pixels = self.frame.read(&self.frame.plan().output)?;
-        Ok(pixels.data.chunks_exact(pixels.channels).map(rgb).collect())
+        colours(&self.frame)
     }
 
     /// The pixels that the last frame listed, by the name of the list.
@@ -59,26 +65,12 @@ impl Subject {
         [width, height]: [u32; 2],
     ) -> Result<BTreeMap<String, Vec<bool>>, AblationError> {
         let mut lists = BTreeMap::new();
-        for (name, buffer) in &self.frame.plan().lists {
-            // A plan that adds nothing to a list has no buffer for it.
-            if !self.frame.plan().buffers.contains_key(buffer) {
-                let nothing = vec![false; width as usize * height as usize];
-                lists.insert(name.clone(), nothing);
-                continue;
+        for name in self.frame.plan().lists.keys() {
+            let mut on_list = vec![false; width as usize * height as usize];
+            for [x, y] in listed(&self.frame, name, [width, height])? {
+                on_list[y as usize * width as usize + x as usize] = true;
             }
-            let bytes = self.frame.read_buffer(buffer)?;
-            let mut words = bytes
-                .chunks_exact(4)
-                .map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-            let count = words.next().unwrap_or(0) as usize;
-            let mut listed = vec![false; width as usize * height as usize];
-            for pixel in words.take(count) {
-                let (x, y) = (pixel & 0xffff, pixel >> 16);
-                if x < width && y < height {
-                    listed[(y * width + x) as usize] = true;
-                }
-            }
-            lists.insert(name.clone(), listed);
+            lists.insert(name.clone(), on_list);
         }
         Ok(lists)
     }
@@ -93,13 +85,7 @@ impl Subject {
         let Some(texture) = self.shown.shown.clone() else {
             return Ok(Vec::new());
         };
-        let mut frame = Frame::new(
-            stage.gpu,
-            &self.shown,
-            stage.scene.clone(),
-            stage.size,
-            stage.cache,
-        )?;
+        let mut frame = stage.frame(&self.shown)?;
         if let Some(scene) = moment {
             frame.update(scene)?;
         }
@@ -113,8 +99,14 @@ impl Subject {
     }
 }
 
+/// What came out of a frame, linear RGB.
+pub(crate) fn colours(frame: &Frame) -> Result<Vec<[f32; 3]>, AblationError> {
+    let pixels = frame.read(&frame.plan().output)?;
+    Ok(pixels.data.chunks_exact(pixels.channels).map(rgb).collect())
+}
+
 /// The first three channels, or as many as there are.
-pub(crate) fn rgb(texel: &[f32]) -> [f32; 3] {
+fn rgb(texel: &[f32]) -> [f32; 3] {
     std::array::from_fn(|channel| texel.get(channel).copied().unwrap_or(0.0))
 }
 

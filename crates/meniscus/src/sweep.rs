@@ -122,7 +122,7 @@ pub fn fingerprint(ablation: &Ablation, project: &Project, gpu: &Gpu) -> Result<
     let _ = write!(
         hasher,
         "{:?}\n{:?}\n{:?}\n{:?}\n{:?}\n",
-        provenance(gpu),
+        provenance(gpu, ablation.pruning),
         ablation.scene,
         ablation.truth,
         ablation.size,
@@ -131,12 +131,8 @@ pub fn fingerprint(ablation: &Ablation, project: &Project, gpu: &Gpu) -> Result<
     let _ = writeln!(hasher, "{:?} {:?}", ablation.settings, ablation.baseline);
     let _ = writeln!(hasher, "{:?} {:?}", ablation.moments, ablation.rivalry);
     for pipeline in &ablation.pipelines {
-        let plan = Plan::new(
-            pipeline,
-            &project.composer,
-            &facts_of(&ablation.scene, ablation.size),
-            true,
-        )?;
+        let facts = facts_of(&ablation.scene, ablation.size);
+        let plan = Plan::pruned(pipeline, &project.composer, &facts, ablation.pruning, true)?;
         let _ = writeln!(hasher, "{} {:?}", pipeline.name, plan.textures);
         for pass in &plan.passes {
             let _ = writeln!(

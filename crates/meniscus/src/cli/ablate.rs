@@ -3,7 +3,6 @@
 use std::time::Duration;
 
 use clap::Args;
-use meniscus::gpu::Gpu;
 use meniscus::measure::{Results, Table, write_atomically};
 use meniscus::pipeline::{Facts, Pipeline, Plan};
 use meniscus::source::{Diagnostic, Report};
@@ -13,7 +12,7 @@ use meniscus::{
 };
 use serde_json::{Map, Value, json};
 
-use super::arguments::{Ablate, key_value};
+use super::arguments::{Ablate, check_moments, key_value};
 use super::progress::Bar;
 use super::say::{say, tell};
 use super::{Failure, outputs, sweep};
@@ -52,19 +51,13 @@ pub(crate) struct Asked {
     pub wide: bool,
 }
 
-/// The latest moment, seconds: beyond it waves' phases lose their digits.
-const LATEST_MOMENT: f64 = 1e6;
 /// Seconds between moments that are only counted.
 const BETWEEN_MOMENTS: f64 = 0.25;
 
 impl Asked {
     /// The moments, seconds; none where only the scene's own is asked for.
     fn moments(&self, own: f64) -> Result<Vec<f64>, Diagnostic> {
-        let allowed = -LATEST_MOMENT..=LATEST_MOMENT;
-        if let Some(wrong) = self.times.iter().find(|time| !allowed.contains(time)) {
-            return Err(Diagnostic::error(format!("`--times {wrong}` is no moment"))
-                .with_help(format!("give numbers of seconds up to {LATEST_MOMENT}")));
-        }
+        check_moments(&self.times)?;
         let count = self.repeat_scene_times.unwrap_or(0);
         let counted = (0..count).map(|index| own + BETWEEN_MOMENTS * f64::from(index));
         Ok(self.times.iter().copied().chain(counted).collect())
@@ -123,7 +116,7 @@ fn once(project: &Project, ablate: &Ablate) -> Result<(), Failure> {
     let ablation = prepare(project, ablate)?;
     let files = [&ablate.json, &ablate.markdown, &ablate.csv, &ablate.report];
     outputs::check(files.into_iter().flatten(), ablate.out.as_ref())?;
-    let gpu = Gpu::open(ablate.look.adapter.as_deref())?;
+    let gpu = ablate.look.gpu()?;
     let bar = Bar::new();
     let outcome = ablation.run(project, &gpu, &|what, part| bar.tell(what, part));
     bar.finish();
@@ -217,6 +210,7 @@ pub(crate) fn prepare(project: &Project, ablate: &Ablate) -> Result<Ablation, Fa
         scene,
         truth,
         size: ablate.look.size,
+        pruning: ablate.skipping.pruning(),
         rounds: Rounds {
             counted: ablate.rounds,
             until: ablate.until.map(|width| Until {

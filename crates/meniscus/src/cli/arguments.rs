@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use meniscus::Sources;
+use meniscus::gpu::{Gpu, GpuError, cache_folder};
 use meniscus::pipeline::Pipeline;
 use meniscus::scene::{Scene, Setting, WaterGeometry};
 use meniscus::source::{Diagnostic, Report};
@@ -88,8 +89,8 @@ pub(crate) enum Command {
     Graph(super::graph::Graph),
     /// Write what something new begins as.
     New(super::new_module::New),
-    /// Render one pipeline to a PNG.
-    Render(Render),
+    /// Render one pipeline to a PNG, or at several moments to as many.
+    Render(super::render::Render),
     /// Run a pipeline pass by pass, compute and screen passes on the CPU.
     ///
     /// The shaders that a GPU runs are evaluated on all cores; draws take a GPU.
@@ -171,21 +172,6 @@ pub(crate) struct Look {
     pub adapter: Option<String>,
 }
 
-#[derive(Debug, Args)]
-pub(crate) struct Render {
-    /// The pipeline, by name or file.
-    pub pipeline: String,
-    #[command(flatten)]
-    pub look: Look,
-    #[command(flatten)]
-    pub changes: Changes,
-    #[command(flatten)]
-    pub skipping: super::explain::Skipping,
-    /// The picture to write.
-    #[arg(short, long, value_name = "FILE.png")]
-    pub output: PathBuf,
-}
-
 #[derive(Debug, Clone, Args)]
 pub(crate) struct Ablate {
     /// Pipelines by name or file, `refraction/*` for many; all under `refraction/` if none is given.
@@ -194,6 +180,8 @@ pub(crate) struct Ablate {
     pub look: Look,
     #[command(flatten)]
     pub changes: Changes,
+    #[command(flatten)]
+    pub skipping: super::explain::Skipping,
     /// The water that rays meet, in pipelines and truth: its rest plane with the waves' normals
     /// (`flat`) or the waves (`displaced`); the scene's own if not given. With
     /// `--set water.geometry=…` it is the truth's alone.
@@ -354,23 +342,44 @@ impl From<Geometry> for WaterGeometry {
     }
 }
 
+/// The latest moment, seconds: beyond it waves' phases lose their digits.
+const LATEST_MOMENT: f64 = 1e6;
+
+/// Refuses what is no moment of a scene.
+pub(crate) fn check_moments(times: &[f64]) -> Result<(), Diagnostic> {
+    let allowed = -LATEST_MOMENT..=LATEST_MOMENT;
+    match times.iter().find(|time| !allowed.contains(time)) {
+        Some(wrong) => Err(Diagnostic::error(format!("`--times {wrong}` is no moment"))
+            .with_help(format!("give numbers of seconds up to {LATEST_MOMENT}"))),
+        None => Ok(()),
+    }
+}
+
 fn share(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok();
     let allowed = number.filter(|number| (1e-4..=1.0).contains(number));
     allowed.ok_or_else(|| format!("`{text}` is no share from 0.0001 to 1, such as 0.02"))
 }
 
+/// Beyond so many pixels along a side even bytes are hard to count; adapters make far fewer.
+const LARGEST_SIDE: u32 = 1_000_000;
+
 pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || format!("`{text}` is no size; write WIDTHxHEIGHT in pixels, such as 640x360");
     let (width, height) = text.split_once(['x', '×']).ok_or_else(wrong)?;
     let number = |text: &str| text.trim().parse::<u32>().map_err(|_| wrong());
     let size = [number(width)?, number(height)?];
-    match size.contains(&0) {
-        true => Err(format!(
+    if size.contains(&0) {
+        return Err(format!(
             "a picture of {text} has no pixels; width and height begin at 1"
-        )),
-        false => Ok(size),
+        ));
     }
+    if size.iter().any(|side| *side > LARGEST_SIDE) {
+        return Err(format!(
+            "a picture of {text} is larger than any adapter makes; width and height end at {LARGEST_SIDE}"
+        ));
+    }
+    Ok(size)
 }
 
 impl Look {
@@ -394,6 +403,11 @@ impl Look {
 
     pub fn scene(&self, project: &meniscus::Project) -> Result<Scene, Failure> {
         Ok(project.scene(self.scene_name(), &self.settings()?)?)
+    }
+
+    /// Opens the adapter; what its driver compiles is kept for the next run.
+    pub fn gpu(&self) -> Result<Gpu, GpuError> {
+        Gpu::keeping(self.adapter.as_deref(), cache_folder().as_deref())
     }
 }
 

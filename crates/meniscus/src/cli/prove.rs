@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 
 use clap::Args;
-use meniscus::gpu::Gpu;
 use meniscus::{Case, Project, Proof, Proved, Sources};
 
 use super::Failure;
@@ -40,7 +39,7 @@ pub(crate) fn run(project: &Project, prove: &Prove, sources: &Sources) -> Result
         cases: prove.cases,
         seed: prove.seed,
     };
-    let gpu = Gpu::open(prove.look.adapter.as_deref())?;
+    let gpu = prove.look.gpu()?;
     let bar = Bar::new();
     let proved = proof.run(project, &gpu, &|what, part| bar.tell(what, part));
     bar.finish();

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use meniscus::gpu::{Gpu, GpuError};
+use meniscus::gpu::GpuError;
 use meniscus::measure::{to_srgb8, write_png};
 use meniscus::{Device, PassDifference, PassError, Passes, Project, colours};
 
@@ -59,7 +59,7 @@ pub(crate) fn run(project: &Project, run: &Run) -> Result<(), Failure> {
     run.changes.apply(&mut pipelines)?;
     let scene = run.look.scene(project)?;
     outputs::check(run.output.iter(), None)?;
-    let gpu = match Gpu::open(run.look.adapter.as_deref()) {
+    let gpu = match run.look.gpu() {
         Err(GpuError::NoAdapter { wanted: None, .. }) if run.device == On::Cpu && !run.compare => {
             tell("there is no graphics adapter: draws are left out, and what reads what they make");
             None

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use meniscus::gpu::Gpu;
 use meniscus::measure::{Results, Sweep, SweepPoint, Table, write_atomically};
 use meniscus::scene::keys;
 use meniscus::source::Diagnostic;
@@ -150,7 +149,7 @@ pub(crate) fn run(
             return Err(Diagnostic::error(message).with_help(help).into());
         }
     }
-    let gpu = Gpu::open(ablate.look.adapter.as_deref())?;
+    let gpu = ablate.look.gpu()?;
     for (index, swept) in points.iter().enumerate().filter(|(index, _)| own(*index)) {
         let ablation = prepare(project, &at_point(ablate, swept))?;
         let mut point = planned(index, points.len(), swept);

@@ -7,6 +7,8 @@ use meniscus_gpu::{Frame, GpuError, Pixels};
 use meniscus_reference::apparent_pixel;
 use meniscus_scene::{Scene, View};
 
+use crate::lists::listed;
+
 /// What is at a pixel with all pruning and with none, in words.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
@@ -48,7 +50,8 @@ pub(super) fn compare_bits(
         all.extend(found(&format!("`{output}`"), differing(&one, &two)));
     }
     for name in whole.plan().lists.keys() {
-        let (one, two) = (listed(pruned, name, size)?, listed(whole, name, size)?);
+        let list = |frame| listed(frame, name, size).map(BTreeSet::from_iter);
+        let (one, two) = (list(pruned)?, list(whole)?);
         let said = |list: &BTreeSet<[u32; 2]>, pixel| match list.contains(pixel) {
             true => "listed".to_owned(),
             false => "not listed".to_owned(),
@@ -79,26 +82,6 @@ fn differing(pruned: &Pixels, whole: &Pixels) -> Vec<Place> {
         }
     }
     places
-}
-
-/// The pixels of a list, in order; none where the plan has no such list any more.
-fn listed(
-    frame: &Frame,
-    name: &str,
-    [width, height]: [u32; 2],
-) -> Result<BTreeSet<[u32; 2]>, GpuError> {
-    let plan = frame.plan();
-    let buffer = plan.lists.get(name);
-    let Some(buffer) = buffer.filter(|buffer| plan.buffers.contains_key(*buffer)) else {
-        return Ok(BTreeSet::new());
-    };
-    let bytes = frame.read_buffer(buffer)?;
-    let mut words = bytes
-        .chunks_exact(4)
-        .map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-    let count = words.next().unwrap_or(0) as usize;
-    let pixels = words.take(count).map(|word| [word & 0xffff, word >> 16]);
-    Ok(pixels.filter(|[x, y]| *x < width && *y < height).collect())
 }
 
 /// What a frame shows at its pixels.

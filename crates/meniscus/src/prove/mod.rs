@@ -8,12 +8,13 @@ use std::fmt;
 use std::sync::Arc;
 
 use glam::UVec2;
-use meniscus_gpu::{Frame, Gpu, PipelineCache, SceneBuffers, Skipping};
-use meniscus_pipeline::{Explanation, Facts, Pipeline, PlanCache, Pruning};
+use meniscus_gpu::{Frame, Gpu, PipelineCache, SceneBuffers};
+use meniscus_pipeline::{Facts, Pipeline, Plan, PlanCache, Pruning};
 use meniscus_scene::{Scene, Setting};
+use meniscus_source::Report;
 
 use crate::AblationError;
-use crate::facts::outlook_of;
+use crate::facts::facts_of;
 use crate::project::Project;
 
 pub use cases::Case;
@@ -152,7 +153,7 @@ impl Bench<'_> {
         let settings: Vec<Setting> = given.chain(drawn).collect();
         let mut scene = self.project.scene(self.proof.scene, &settings)?;
         let buffers = Arc::new(SceneBuffers::new(self.gpu, &scene)?);
-        let facts = outlook_of(&scene, self.proof.size).facts;
+        let facts = facts_of(&scene, self.proof.size);
         for shown in [false, true] {
             let mut pruned = self.frame((Pruning::Exact, shown), facts, &buffers)?;
             let mut whole = self.frame((Pruning::None, shown), facts, &buffers)?;
@@ -160,7 +161,7 @@ impl Bench<'_> {
             for moment in cases::MOMENTS {
                 (moment.change)(&mut scene);
                 // What holds may change with the moment; then there are other plans to compare.
-                if outlook_of(&scene, self.proof.size).facts != facts {
+                if facts_of(&scene, self.proof.size) != facts {
                     break;
                 }
                 pruned.update(&scene)?;
@@ -197,33 +198,29 @@ impl Bench<'_> {
         buffers: &Arc<SceneBuffers>,
         proved: &mut Proved,
     ) -> Result<(), AblationError> {
-        let outlook = outlook_of(scene, self.proof.size);
-        let composer = &self.project.composer;
-        let told = Explanation::new(
-            self.proof.pipeline,
-            composer,
-            &outlook,
-            Pruning::Approximate,
-        )?;
-        if told.within_px == 0.0 {
+        let facts = facts_of(scene, self.proof.size);
+        let approximate = (Pruning::Approximate, true);
+        // The plan's own word is what it is held to.
+        let within_px = self.plan(approximate, facts)?.within_px;
+        if within_px == 0.0 {
             return Ok(());
         }
         proved.approximate += 1;
-        let mut shows = |pruning| -> Result<Seen, AblationError> {
-            let mut frame = self.frame((pruning, true), outlook.facts, buffers)?;
+        let mut shows = |kind| -> Result<Seen, AblationError> {
+            let mut frame = self.frame(kind, facts, buffers)?;
             frame.render()?;
             Ok(Seen::read(&frame)?)
         };
-        let (pruned, whole) = (shows(Pruning::Approximate)?, shows(Pruning::None)?);
+        let (pruned, whole) = (shows(approximate)?, shows((Pruning::None, true))?);
         let view = scene.camera.view(UVec2::from_array(self.proof.size));
-        let (largest, found) = compare_shown(&pruned, &whole, scene, &view, told.within_px);
+        let (largest, found) = compare_shown(&pruned, &whole, scene, &view, within_px);
         proved.pictures += 1;
         proved.largest_px = proved.largest_px.max(largest);
         proved.differences.extend(found.map(|found| Difference {
             case: case.clone(),
             moment: cases::MOMENTS[0].name,
             output: found.output,
-            within_px: Some(told.within_px),
+            within_px: Some(within_px),
             pixels: found.pixels,
             first: found.first,
         }));
@@ -237,17 +234,18 @@ impl Bench<'_> {
         facts: Facts,
         scene: &Arc<SceneBuffers>,
     ) -> Result<Frame, AblationError> {
-        let skipping = match kind.0 {
-            Pruning::None => Skipping::NONE,
-            _ => Skipping::ALL,
-        };
         let size = UVec2::from_array(self.proof.size);
+        let plan = self.plan(kind, facts)?;
+        let (skipping, scene) = (kind.0.into(), scene.clone());
+        let frame = Frame::with(self.gpu, &plan, scene, size, &self.cache, skipping)?;
+        Ok(frame)
+    }
+
+    fn plan(&mut self, kind: Kind, facts: Facts) -> Result<Arc<Plan>, Report> {
         let (pruning, shown) = kind;
         let plans = self.plans.entry(kind);
         let plans =
             plans.or_insert_with(|| PlanCache::new(self.proof.pipeline.clone(), pruning, shown));
-        let plan = plans.plan(&self.project.composer, facts)?;
-        let frame = Frame::with(self.gpu, plan, scene.clone(), size, &self.cache, skipping)?;
-        Ok(frame)
+        plans.plan(&self.project.composer, facts).cloned()
     }
 }
