@@ -110,10 +110,13 @@ fn stress_tells_errors_and_keeps_the_worst_inputs() {
     assert!(out.contains("optics/crossing_split:crossing"), "{out}");
     let text = std::fs::read_to_string(&json).expect("results");
     let found: Value = serde_json::from_str(&text).expect("JSON");
-    assert_eq!(found[0]["non_finite"], 0);
-    assert!(found[0]["inputs"].as_u64().expect("a count") >= 2048);
+    assert_eq!(found["functions"][0]["non_finite"], 0);
+    assert!(found["functions"][0]["inputs"].as_u64().expect("a count") >= 2048);
     assert!(
-        found[0]["scaled"]["max"].as_f64().expect("an error") < 4.0,
+        found["functions"][0]["scaled"]["max"]
+            .as_f64()
+            .expect("an error")
+            < 4.0,
         "{text}"
     );
     let kept = std::fs::read_dir(&worst).expect("a folder").count();

@@ -5,8 +5,16 @@ mod common;
 use std::path::Path;
 
 use common::{folder, json, meniscus, number, text};
+use serde_json::Value;
 
-const DATA: [&str; 4] = ["functions.json", "solvers.json", "scenes.json", "told.md"];
+const DATA: [&str; 6] = [
+    "functions.json",
+    "agreement.json",
+    "exhaustive.json",
+    "solvers.json",
+    "scenes.json",
+    "told.md",
+];
 
 fn docs() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/docs"))
@@ -49,10 +57,27 @@ fn what_the_page_tells_of_holds() {
     let share = number(&scenes, "/distance/far") / number(&scenes, "/distance/pixels");
     assert!(share <= 0.001, "{share}");
     let functions = json(&data.join("functions.json"));
-    let functions = functions.as_array().expect("functions");
+    let functions = functions["functions"].as_array().expect("functions");
     assert!(functions.len() >= 40, "{}", functions.len());
     for function in functions {
         assert_eq!(function["non_finite"], 0, "{function}");
+    }
+    let agreement = json(&data.join("agreement.json"));
+    assert!(number(&agreement, "/samples") >= 1e5);
+    let agreement = agreement["functions"].as_array().expect("functions");
+    let plain = |f: &&Value| f["built_ins"].as_array().is_some_and(Vec::is_empty);
+    let plain: Vec<&Value> = agreement.iter().filter(plain).collect();
+    let alike = plain.iter().filter(|f| f["differ"] == 0).count();
+    assert!(plain.len() > 20 && alike == plain.len(), "{alike}");
+    let exhaustive = json(&data.join("exhaustive.json"));
+    let exhaustive = exhaustive["functions"].as_array().expect("functions");
+    assert!(!exhaustive.is_empty());
+    for function in exhaustive {
+        // All floats that are finite; 0 has two, which count as one.
+        let all = number(function, "/inside/inputs") + number(function, "/outside/inputs");
+        assert_eq!(all, 2.0 * f64::from(0x7F7F_FFFF_u32) + 1.0);
+        assert_eq!(function["inside"]["non_finite"], 0);
+        assert!(number(function, "/inside/scaled") <= 4.0, "{function}");
     }
     let solvers = json(&data.join("solvers.json"));
     let solvers = solvers.as_array().expect("solvers");

@@ -4,9 +4,9 @@
 //
 // needs: geometry/ray
 // domain: View(eye -1e4 to 1e4 from 1e-6, right is 1 0 0, up is 0 0.6 0.8, forward is 0 0.8 -0.6, focal 1 to 1e5, size 1 to 16384, near 1e-3 to 1, seen_size 1 to 16384)
-// domain: view_ray(pixel -1e4 to 2e4 from 1e-6)
+// domain: view_ray(pixel -1e4 to 2e4 from 1e-6) against camera ray
 // domain: view_clip(point -1e4 to 1e4 from 1e-6)
-// domain: view_pixel(point -1e4 to 1e4 from 1e-6)
+// domain: view_pixel(point -1e4 to 1e4 from 1e-6) against camera pixel
 // domain: view_is_nearer(point -1e4 to 1e4 from 1e-6, depth 0 to 1)
 
 struct View {

@@ -1,8 +1,7 @@
 //! What textures keep of the numbers that are written to them.
 
-use half::f16;
 use meniscus_pipeline::Format;
-use meniscus_stress::Kind;
+use meniscus_stress::{Kind, stored_texel};
 
 /// Words of a texel where nothing was ever written: 0, with −1 in place of the object id that the
 /// fourth number of a position is.
@@ -21,28 +20,11 @@ pub(crate) fn kind(format: Format) -> Kind {
     }
 }
 
-/// A texel as it comes back from a format; halves are rounded to nearest, ties to even, which GPUs
-/// are free not to do. Absent channels are 0, 0 and 1.
+/// A texel as it comes back from a format; a depth keeps its first number.
 pub(crate) fn kept(format: Format, texel: [u32; 4]) -> [u32; 4] {
-    let one = 1.0_f32.to_bits();
-    match format {
-        Format::Rgba32Float | Format::Rgba32Uint => texel,
-        Format::R32Uint => [texel[0], 0, 0, 1],
-        Format::R32Float | Format::Depth32Float => [texel[0], 0, 0, one],
-        Format::Rg32Float => [texel[0], texel[1], 0, one],
-        Format::Rgba16Float => {
-            texel.map(|bits| f16::from_f32(f32::from_bits(bits)).to_f32().to_bits())
-        }
-        Format::Rgba8Unorm => texel.map(|bits| {
-            let x = f32::from_bits(bits);
-            // A NaN is stored as 0.
-            let steps = if x.is_nan() {
-                0.0
-            } else {
-                (x.clamp(0.0, 1.0) * 255.0).round_ties_even()
-            };
-            (steps / 255.0).to_bits()
-        }),
+    match format.storage_format() {
+        Some(format) => stored_texel(format, texel),
+        None => [texel[0], 0, 0, 1.0_f32.to_bits()],
     }
 }
 

@@ -61,7 +61,20 @@ fn evaluate<S: Scalar>(criterion: &mut Criterion, function: &Function, inputs: &
     group.finish();
 }
 
-fn native(criterion: &mut Criterion, name: &str, f: impl Fn(usize) -> f32) {
+/// Times native code that gives the very numbers that the evaluator gives.
+fn native(
+    criterion: &mut Criterion,
+    function: &Function,
+    inputs: &[Vec<f32>],
+    f: impl Fn(usize) -> f32,
+) {
+    let name = function.name();
+    let arguments: Vec<_> = inputs.iter().map(|c| Lanes::<f32>::scalars(c)).collect();
+    let found = function.call(&arguments, COUNT, &Resources::new());
+    let found = found.expect("runs");
+    for (i, found) in found.floats(0).expect("floats").iter().enumerate() {
+        assert_eq!(found.to_bits(), f(i).to_bits(), "{name}, input {i}");
+    }
     let mut group = criterion.benchmark_group(name);
     group.throughput(Throughput::Elements(COUNT as u64));
     group.bench_function("native", |bench| {
@@ -85,19 +98,24 @@ fn evaluations(criterion: &mut Criterion) {
         column(1.2, 2.4),
     ];
     let reflection = [column(0.001, 1.0), column(1.1, 2.5)];
-    for (name, inputs) in [("snell", &crossing[..]), ("fresnel", &reflection[..])] {
-        let function = program.function(name).expect("compiles");
-        evaluate::<f32>(criterion, &function, inputs);
-        evaluate::<f64>(criterion, &function, inputs);
-        evaluate::<DoubleDouble>(criterion, &function, inputs);
-        evaluate::<Interval>(criterion, &function, inputs);
-        evaluate::<Dual>(criterion, &function, inputs);
-        evaluate::<Stochastic>(criterion, &function, inputs);
+    let [snells, fresnels] =
+        ["snell", "fresnel"].map(|name| program.function(name).expect("compiles"));
+    for (function, inputs) in [(&snells, &crossing[..]), (&fresnels, &reflection[..])] {
+        evaluate::<f32>(criterion, function, inputs);
+        evaluate::<f64>(criterion, function, inputs);
+        evaluate::<DoubleDouble>(criterion, function, inputs);
+        evaluate::<Interval>(criterion, function, inputs);
+        evaluate::<Dual>(criterion, function, inputs);
+        evaluate::<Stochastic>(criterion, function, inputs);
     }
     let [f, s, d, n] = &crossing;
-    native(criterion, "snell", |i| snell(f[i], s[i], d[i], n[i]));
+    native(criterion, &snells, &crossing, |i| {
+        snell(f[i], s[i], d[i], n[i])
+    });
     let [cosine, n] = &reflection;
-    native(criterion, "fresnel", |i| fresnel(cosine[i], n[i]));
+    native(criterion, &fresnels, &reflection, |i| {
+        fresnel(cosine[i], n[i])
+    });
 }
 
 criterion_group!(benches, evaluations);

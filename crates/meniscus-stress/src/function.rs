@@ -60,6 +60,14 @@ impl Function {
         self.code.slots.iter().map(|slot| slot.name.as_str())
     }
 
+    /// Names and kinds of the single numbers that it takes, such as `ray.origin.x`.
+    pub fn numbers(&self) -> impl Iterator<Item = (String, Kind)> + '_ {
+        self.arguments().flat_map(|(name, shape)| {
+            let leaves = shape.leaves().into_iter();
+            leaves.map(move |(path, kind)| (format!("{name}{path}"), kind))
+        })
+    }
+
     /// Calls it in `lanes` lanes.
     ///
     /// # Errors

@@ -52,4 +52,5 @@ pub use stress::{
     Case, Domain, Effort, Elsewhere, Exhausted, Findings, Input, NEARBY, Picture, Place, Range,
     Relation, Spread, Subject, Truth, Verdict, WORST_KEPT,
 };
+pub use texel::stored_texel;
 pub use trace::{Parting, Trace};

@@ -1,9 +1,14 @@
-//! What a storage texture keeps of a texel that is stored to it.
+//! What textures keep of the texels that are written to them.
 
 use naga::StorageFormat as F;
 
-/// A texel as it comes back from a format.
-pub(crate) fn stored(format: F, texel: [u32; 4]) -> [u32; 4] {
+/// A texel as it comes back from a format: four words, floating-point numbers as the bits of `f32`s,
+/// absent channels 0, 0 and 1.
+///
+/// Halves and steps are rounded to the nearest, ties to even, which GPUs are free not to do; numbers
+/// outside of a format's range go to its ends, NaN to 0 where it has none.
+#[must_use]
+pub fn stored_texel(format: F, texel: [u32; 4]) -> [u32; 4] {
     let (channels, coding) = coding(format);
     let absent = if matches!(coding, Coding::Uint(_) | Coding::Sint(_)) {
         [0, 0, 0, 1]

@@ -19,8 +19,8 @@ impl Format {
         }
     }
 
-    /// The same format as naga knows it.
-    pub(super) fn storage_format(self) -> Option<naga::StorageFormat> {
+    /// The format of storage textures that is the same; none for depths.
+    pub fn storage_format(self) -> Option<naga::StorageFormat> {
         use naga::StorageFormat as F;
         match self {
             Self::R32Float => Some(F::R32Float),

@@ -95,7 +95,7 @@ impl<S: Scalar> Machine<'_, S> {
                             Leaf::Int(r) => self.ints[r as usize][lane],
                         };
                     }
-                    texture.store(place, texel::stored(*format, words));
+                    texture.store(place, texel::stored_texel(*format, words));
                 }
             }
             ImageOp::Sample { .. } => self.sample(&code.images[index as usize], bound),

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Choice, Connected, Declared, Device, Host, Kernel, Specimen, truth};
 use crate::{
-    Case, Domain, Effort, Elsewhere, Findings, Function, NEARBY, Spread, Subject, Trap, WORST_KEPT,
+    Case, Domain, Effort, Elsewhere, Findings, Function, NEARBY, Subject, Trap, WORST_KEPT,
 };
 
 /// Waters between which a function that reads them is tried: refractive index, and whether the eye
@@ -52,28 +52,9 @@ pub struct Assay {
     pub domain: String,
     /// The independent truth, if one is declared.
     pub against: Option<String>,
-    /// How many inputs were tried.
-    pub inputs: usize,
-    /// `f32` against the same formulas with 31 digits, ulp.
-    pub rounding: Spread,
-    /// The formulas against the truth, ulp.
-    pub method: Option<Spread>,
-    /// `f32` against the truth, or against 31 digits where there is none, ulp.
-    pub total: Spread,
-    /// Condition numbers.
-    pub condition: Spread,
-    /// Rounding / (1 + condition), ulp.
-    pub scaled: Spread,
-    /// Results that are not finite.
-    pub non_finite: usize,
-    /// Inputs where `f64` and 31 digits disagree.
-    pub untrusted: usize,
-    /// Inputs where integers or truth values of the result depend on rounding.
-    pub branches: usize,
-    /// Inputs where a component of a vector was judged by the vector's length.
-    pub whole: usize,
-    /// Share of the random inputs whose error intervals bound.
-    pub enclosed: f64,
+    /// The worst over all waters.
+    #[serde(flatten)]
+    pub found: Findings,
     /// Where `f32` and `f64` part for the worst input, `FILE:LINE`.
     pub parts_at: Option<String>,
     /// The worst input's numbers, by their names.
@@ -190,7 +171,7 @@ impl Assay {
         waters: &[(f64, bool)],
         effort: &Effort,
     ) -> Result<Self, Report> {
-        let specimen = Specimen::new(composer, &declared.module, &Choice::default())?;
+        let specimen = Specimen::new(composer, &declared.module, &Choice::of_waves())?;
         let function = specimen.function(&declared.name)?;
         let reads_water = function.resources().any(|name| name == "water");
         let waters = match (waters, reads_water) {
@@ -228,17 +209,7 @@ impl Assay {
             device: device.map(Device::name),
             domain: declared.to_string(),
             against: declared.against.clone(),
-            inputs: 0,
-            rounding: Spread::default(),
-            method: None,
-            total: Spread::default(),
-            condition: Spread::default(),
-            scaled: Spread::default(),
-            non_finite: 0,
-            untrusted: 0,
-            branches: 0,
-            whole: 0,
-            enclosed: 1.0,
+            found: Findings::NOTHING,
             parts_at: None,
             worst_numbers: Vec::new(),
             worst: Worst {
@@ -250,24 +221,7 @@ impl Assay {
     }
 
     fn add(&mut self, findings: &Findings, water: (f64, bool)) {
-        let worse = |known: &mut Spread, found: &Spread| {
-            known.median = known.median.max(found.median);
-            known.p99 = known.p99.max(found.p99);
-            known.max = known.max.max(found.max);
-        };
-        worse(&mut self.rounding, &findings.rounding);
-        worse(&mut self.total, &findings.total);
-        worse(&mut self.condition, &findings.condition);
-        worse(&mut self.scaled, &findings.scaled);
-        if let Some(method) = &findings.method {
-            worse(self.method.get_or_insert_default(), method);
-        }
-        self.inputs += findings.inputs;
-        self.non_finite += findings.non_finite;
-        self.untrusted += findings.untrusted;
-        self.branches += findings.branches;
-        self.whole += findings.whole;
-        self.enclosed = self.enclosed.min(findings.enclosed);
+        self.found.absorb(findings);
         let cases = &mut self.worst.cases;
         cases.extend(findings.worst.iter().map(|case| WorstCase {
             refractive_index: water.0,
@@ -295,10 +249,7 @@ impl Assay {
         let water = (worst.refractive_index, worst.eye_above);
         let prepared = prepare(specimen, function, declared, all, host, water)?;
         let input = &worst.case.input;
-        let names = function.arguments().flat_map(|(name, shape)| {
-            let leaves = shape.leaves().into_iter();
-            leaves.map(move |(path, _)| format!("{name}{path}"))
-        });
+        let names = function.numbers().map(|(name, _)| name);
         self.worst_numbers = names.zip(prepared.domain.numbers(input)).collect();
         let lanes = prepared.domain.lanes(function, std::slice::from_ref(input));
         let trace = function
@@ -337,7 +288,7 @@ impl Worst {
         all: &[Declared],
         host: &Host,
     ) -> Result<Vec<Findings>, Report> {
-        let specimen = Specimen::new(composer, &self.module, &Choice::default())?;
+        let specimen = Specimen::new(composer, &self.module, &Choice::of_waves())?;
         let function = specimen.function(&self.function)?;
         let own = |d: &&Declared| d.module == self.module && d.name == self.function;
         let Some(declared) = all.iter().find(own) else {

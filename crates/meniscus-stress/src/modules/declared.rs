@@ -76,6 +76,14 @@ pub(super) enum Operand {
     Sine(String, String),
 }
 
+impl Declared {
+    /// Whether it is of a function; domains of structures belong to whatever takes them.
+    pub fn is_function(&self, library: &Library) -> bool {
+        let module = library.get(&self.module);
+        module.is_some_and(|m| m.file.text.contains(&format!("fn {}(", self.name)))
+    }
+}
+
 /// The ranges of all entries, by path; what a page tells of a function.
 impl std::fmt::Display for Declared {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -144,11 +152,11 @@ impl Reader<'_> {
             None => return Err(self.wrong(after, "after the brackets only `against` may follow")),
         };
         if let Some(truth) = &against
-            && !super::TRUTHS.contains(&truth.as_str())
+            && super::truth_names().all(|known| known != truth)
         {
             let unknown = Diagnostic::error(format!("there is no truth `{truth}`"))
                 .at(&self.place(after), "unknown truth");
-            return Err(unknown.with_suggestion(truth, super::TRUTHS.iter().copied()));
+            return Err(unknown.with_suggestion(truth, super::truth_names()));
         }
         let entries = split_outside_brackets(inside)
             .map(|entry| self.entry(entry))

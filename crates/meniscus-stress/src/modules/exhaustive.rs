@@ -5,11 +5,17 @@ use meniscus_source::{Diagnostic, Report};
 
 use super::{Choice, Declared, Host, Specimen, truth};
 use crate::ulp::{at_rank, rank};
-use crate::{Exhausted, Kind, Shape, Subject};
+use crate::{Exhausted, Function, Kind, Shape, Subject};
 
 /// What trying a function of one `f32` on all of them shows.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, serde::Serialize)]
 pub struct Exhaustive {
+    /// The module's path.
+    pub module: String,
+    /// The function's name.
+    pub function: String,
+    /// The independent truth, if one is declared; errors are against `f64` where none is.
+    pub against: Option<String>,
     /// The bounds of its domain.
     pub domain: (f32, f32),
     /// On every float between these.
@@ -19,6 +25,15 @@ pub struct Exhaustive {
 }
 
 impl Exhaustive {
+    /// Whether a declared function takes one `f32`, so that it can be tried.
+    ///
+    /// # Errors
+    /// Where its module is wrong.
+    pub fn suits(composer: &Composer, declared: &Declared) -> Result<bool, Report> {
+        let specimen = Specimen::new(composer, &declared.module, &Choice::of_waves())?;
+        Ok(takes_one(&specimen.function(&declared.name)?))
+    }
+
     /// Tries a declared function of one `f32` on every finite one; `progress` is told of each part
     /// of the way, from 0 to 1. It takes minutes.
     ///
@@ -34,10 +49,9 @@ impl Exhaustive {
     ) -> Result<Self, Report> {
         /// Floats between two words of progress.
         const PART: i64 = 1 << 24;
-        let specimen = Specimen::new(composer, &declared.module, &Choice::default())?;
+        let specimen = Specimen::new(composer, &declared.module, &Choice::of_waves())?;
         let function = specimen.function(&declared.name)?;
-        let takes = function.arguments().map(|(_, shape)| shape);
-        if !takes.eq([&Shape::Scalar(Kind::Float)]) {
+        if !takes_one(&function) {
             let message = format!(
                 "`{}:{}` does not take one `f32`: it has more inputs than can all be tried",
                 declared.module, declared.name
@@ -72,9 +86,17 @@ impl Exhaustive {
         let inside = between(start, end)?;
         let outside = below.and(between(end + 1, last)?);
         Ok(Self {
+            module: declared.module.clone(),
+            function: declared.name.clone(),
+            against: declared.against.clone(),
             domain: (low, high),
             inside,
             outside,
         })
     }
+}
+
+fn takes_one(function: &Function) -> bool {
+    let takes = function.arguments().map(|(_, shape)| shape);
+    takes.eq([&Shape::Scalar(Kind::Float)])
 }

@@ -138,6 +138,11 @@ impl Host {
         }
     }
 
+    /// All numbers of a value.
+    pub fn numbers(&self, path: &str) -> Option<&[f64]> {
+        self.values.get(path).map(Vec::as_slice)
+    }
+
     /// What a camera of this name sees between two depths; none where it is not known.
     pub fn picture(&self, view: &str, depths: [f64; 2]) -> Option<Picture> {
         let values = |member: &str| self.values.get(&format!("{view}.{member}"));

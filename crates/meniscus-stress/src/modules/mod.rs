@@ -1,5 +1,6 @@
 //! Shader modules of a library, ready to be run, with the domains that their headers declare.
 
+mod agreement;
 mod assay;
 mod declared;
 mod domain;
@@ -13,12 +14,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use meniscus_shader::{Alone, Composer, Filling, Library};
 use meniscus_source::{Diagnostic, Place, Report};
 
+pub use agreement::Agreement;
 pub use assay::{Assay, WATERS, Worst, WorstCase};
 pub use declared::{Declared, declared};
 pub use exhaustive::Exhaustive;
 pub use host::{Connected, Host};
 pub use kernel::{Device, Kernel, Launcher, Read, Texels};
-pub use truth::{TRUTHS, truth};
+pub use truth::{truth, truth_about, truth_names};
 
 use crate::{Domain, Function, Program, Settings, Site, Trap};
 
@@ -33,6 +35,16 @@ pub struct Choice {
     pub numbers: BTreeMap<String, f64>,
     /// Whether `fma` rounds once.
     pub fused: bool,
+}
+
+impl Choice {
+    /// What is chosen where water has waves that rays meet: flat water is the least part of that.
+    pub fn of_waves() -> Self {
+        Self {
+            facts: ["waves", "displaced"].map(str::to_owned).into(),
+            ..Self::default()
+        }
+    }
 }
 
 /// A module of a library with what it needs, ready to be run function by function.

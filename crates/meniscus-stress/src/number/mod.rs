@@ -6,12 +6,14 @@ mod interval;
 mod native;
 mod shadow;
 mod stochastic;
+mod wavering;
 
 pub use double_double::DoubleDouble;
 pub use dual::Dual;
 pub use interval::Interval;
 pub use shadow::Shadow;
 pub use stochastic::Stochastic;
+pub(crate) use wavering::Wavering;
 
 /// A number that stands for WGSL's `f32`.
 ///

@@ -9,7 +9,7 @@ use crate::shape::{Column, Lanes};
 use crate::ulp::{at_rank, rank, ulps};
 
 /// What is left to say when nothing was left out.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Exhausted {
     /// Numbers tried.
     pub inputs: u64,

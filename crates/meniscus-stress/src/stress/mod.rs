@@ -64,6 +64,12 @@ pub struct Spread {
 }
 
 impl Spread {
+    const NOTHING: Self = Self {
+        median: 0.0,
+        p99: 0.0,
+        max: 0.0,
+    };
+
     fn of(mut errors: Vec<f64>) -> Self {
         errors.sort_unstable_by(f64::total_cmp);
         let at = |share: f64| {
@@ -83,6 +89,13 @@ impl Spread {
     fn raise(&mut self, error: f64) {
         self.max = self.max.max(error);
     }
+
+    /// The worse of both, number by number.
+    fn or_worse(&mut self, other: &Self) {
+        self.median = self.median.max(other.median);
+        self.p99 = self.p99.max(other.p99);
+        self.max = self.max.max(other.max);
+    }
 }
 
 /// A bad input, as kept in a regression file.
@@ -99,7 +112,7 @@ pub struct Case {
 
 /// What a hunt has found. Median and p99 are of the random inputs, the largest is of all inputs;
 /// all errors are in ulps of `f32`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Findings {
     /// Inputs that were judged.
     pub inputs: usize,
@@ -107,6 +120,8 @@ pub struct Findings {
     pub rounding: Spread,
     /// The formulas against the truth; none where there is no truth.
     pub method: Option<Spread>,
+    /// The same / (1 + condition).
+    pub method_scaled: Option<Spread>,
     /// `f32` against the truth, or against 31 digits where there is none.
     pub total: Spread,
     /// Condition numbers.
@@ -126,7 +141,52 @@ pub struct Findings {
     /// The largest bound proven by intervals, where they could decide.
     pub proven: f64,
     /// The worst by error / (1 + condition), worst first, at most [`WORST_KEPT`].
+    #[serde(skip)]
     pub worst: Vec<Case>,
+}
+
+impl Findings {
+    /// Of no input.
+    pub(crate) const NOTHING: Self = Self {
+        inputs: 0,
+        rounding: Spread::NOTHING,
+        method: None,
+        method_scaled: None,
+        total: Spread::NOTHING,
+        condition: Spread::NOTHING,
+        scaled: Spread::NOTHING,
+        non_finite: 0,
+        untrusted: 0,
+        branches: 0,
+        whole: 0,
+        enclosed: 1.0,
+        proven: 0.0,
+        worst: Vec::new(),
+    };
+
+    /// Takes in what was found elsewhere: counts of both, the worse of all else. The worst inputs of
+    /// the other are left out, since they are not of the same place.
+    pub(crate) fn absorb(&mut self, other: &Self) {
+        self.inputs += other.inputs;
+        self.rounding.or_worse(&other.rounding);
+        for (known, found) in [
+            (&mut self.method, &other.method),
+            (&mut self.method_scaled, &other.method_scaled),
+        ] {
+            if let Some(found) = found {
+                known.get_or_insert(Spread::NOTHING).or_worse(found);
+            }
+        }
+        self.total.or_worse(&other.total);
+        self.condition.or_worse(&other.condition);
+        self.scaled.or_worse(&other.scaled);
+        self.non_finite += other.non_finite;
+        self.untrusted += other.untrusted;
+        self.branches += other.branches;
+        self.whole += other.whole;
+        self.enclosed = self.enclosed.min(other.enclosed);
+        self.proven = self.proven.max(other.proven);
+    }
 }
 
 /// The inputs of a hunt so far.
@@ -177,19 +237,14 @@ impl Subject<'_> {
         let enclosed = random.iter().filter(|v| v.proven.is_finite()).count();
         Bag {
             findings: Findings {
-                inputs: 0,
                 rounding: spread(&|v| v.rounding),
                 method: self.truth.map(|_| spread(&|v| v.method)),
+                method_scaled: self.truth.map(|_| spread(&|v| v.method_scaled)),
                 total: spread(&|v| v.total),
                 condition: spread(&|v| v.condition),
                 scaled: spread(&|v| v.scaled),
-                non_finite: 0,
-                untrusted: 0,
-                branches: 0,
-                whole: 0,
                 enclosed: enclosed as f64 / random.len().max(1) as f64,
-                proven: 0.0,
-                worst: Vec::new(),
+                ..Findings::NOTHING
             },
             worst: Vec::new(),
         }
@@ -239,6 +294,9 @@ impl Bag {
             findings.scaled.raise(verdict.scaled);
             if let Some(method) = &mut findings.method {
                 method.raise(verdict.method);
+            }
+            if let Some(method) = &mut findings.method_scaled {
+                method.raise(verdict.method_scaled);
             }
             findings.non_finite += usize::from(!verdict.finite);
             findings.untrusted += usize::from(!verdict.trusted);

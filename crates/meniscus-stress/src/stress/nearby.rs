@@ -5,6 +5,12 @@
 //! nearby: every argument, block and texel moved by up to [`NEARBY`] ulps. How far the exact results
 //! then lie apart, in units of as many ulps of the result, is a condition number that holds for both.
 //!
+//! A run decides at many places, each by its own rounding, and an adversary finds inputs at which several
+//! decisions hang in the balance at once. No input nearby may tip them all the same way. So what is still bad
+//! is tried again with decisions that waver, each by itself: whatever is compared or rounded to a whole
+//! number is moved by up to [`NEARBY`] ulps, and nothing that is computed. That accounts for the rounding of
+//! what is compared, and not for digits that a difference lost before.
+//!
 //! A component of a point or a direction that happens to be next to 0 is a difference of large
 //! numbers, of which nobody can know all digits. So where a component by itself is not accounted for,
 //! its error is measured by the longest component of its vector, and [`Verdict::whole`] tells.
@@ -16,14 +22,14 @@ use fastrand::Rng;
 use super::domain::Input;
 use super::verdict::{Subject, Verdict};
 use crate::error::Trap;
-use crate::number::{DoubleDouble, Scalar};
+use crate::number::{DoubleDouble, Scalar, Wavering};
 use crate::shape::{Column, Lanes, Shape};
 use crate::ulp::ulp;
 
 /// How far inputs are moved, in ulps; and the error / (1 + condition) from which on they are.
 pub const NEARBY: i64 = 4;
-/// Inputs tried near one.
-const TRIES: u64 = 48;
+/// Inputs tried near one, in rounds, until one accounts for its error; and whether decisions waver.
+const ROUNDS: [(bool, Range<u64>); 3] = [(false, 0..48), (true, 0..32), (true, 32..256)];
 
 /// Exact results near an input: the bounds of each number, over the tries whose integers and truth
 /// values are those that were found.
@@ -43,53 +49,83 @@ impl Subject<'_> {
         verdicts: &mut [Verdict],
     ) -> Result<(), Trap> {
         let doubtful = |v: &Verdict| v.finite && (!v.same_branch || v.scaled > NEARBY as f64);
-        let lanes: Vec<usize> = (0..inputs.len())
+        let mut looks: Vec<Look> = (0..inputs.len())
             .filter(|&lane| doubtful(&verdicts[lane]))
+            .map(|lane| Look::new(lane, single, exact))
             .collect();
-        if lanes.is_empty() {
-            return Ok(());
-        }
-        let leaves = single.columns.len();
-        let empty = || Hull {
-            bounds: vec![(f64::INFINITY, f64::NEG_INFINITY); leaves],
-            alike: false,
-        };
-        let mut hulls: Vec<Hull> = lanes.iter().map(|_| empty()).collect();
-        for (hull, &lane) in hulls.iter_mut().zip(&lanes) {
-            hull.add(single, lane, exact, lane);
-        }
-        for attempt in 0..TRIES {
-            let mut rng = Rng::with_seed(attempt);
-            let moved: Vec<Input> = lanes
-                .iter()
-                .map(|&lane| self.domain.moved(&inputs[lane], NEARBY, &mut rng))
-                .collect();
-            let arguments = self.domain.lanes(self.function, &moved);
-            let doubles: Vec<Lanes<f64>> = arguments.iter().map(Lanes::converted).collect();
-            // Most tries move everything; some what the function is given alone.
-            let sets = self.nearby.len() as u64 + 1;
-            let resources = match (attempt % sets) as usize {
-                0 => self.resources,
-                index => &self.nearby[index - 1],
-            };
-            let found = self.function.call(&doubles, lanes.len(), resources)?;
-            for (index, (hull, &lane)) in hulls.iter_mut().zip(&lanes).enumerate() {
-                hull.add(single, lane, &found, index);
-            }
-        }
         let vectors = self.function.result().map(Shape::vectors);
         let vectors = vectors.unwrap_or_default();
-        for (hull, &lane) in hulls.iter().zip(&lanes) {
-            let known = |leaf: usize| conditions[leaf][lane];
-            let results = Results {
-                single,
-                exact,
-                lane,
-                vectors: &vectors,
-            };
-            verdicts[lane].reconsider(hull, &results, known);
+        for (waver, attempts) in ROUNDS {
+            for attempt in attempts {
+                match waver {
+                    false => self.try_nearby::<f64>(attempt, inputs, single, &mut looks)?,
+                    true => {
+                        Wavering::seed(attempt);
+                        self.try_nearby::<Wavering>(attempt, inputs, single, &mut looks)?;
+                    }
+                }
+            }
+            for Look { lane, hull } in &looks {
+                let known = |leaf: usize| conditions[leaf][*lane];
+                let results = Results {
+                    single,
+                    exact,
+                    lane: *lane,
+                    vectors: &vectors,
+                };
+                verdicts[*lane].reconsider(hull, &results, known);
+            }
+            looks.retain(|look| verdicts[look.lane].scaled > NEARBY as f64);
         }
         Ok(())
+    }
+
+    /// Runs inputs near those of some lanes and adds what comes out to their hulls. Most attempts move
+    /// everything; some what the function is given alone.
+    fn try_nearby<S: Scalar>(
+        &self,
+        attempt: u64,
+        inputs: &[Input],
+        single: &Lanes<f32>,
+        looks: &mut [Look],
+    ) -> Result<(), Trap> {
+        if looks.is_empty() {
+            return Ok(());
+        }
+        let mut rng = Rng::with_seed(attempt);
+        let moved: Vec<Input> = looks
+            .iter()
+            .map(|look| self.domain.moved(&inputs[look.lane], NEARBY, &mut rng))
+            .collect();
+        let arguments = self.domain.lanes(self.function, &moved);
+        let numbers: Vec<Lanes<S>> = arguments.iter().map(Lanes::converted).collect();
+        let sets = self.nearby.len() as u64 + 1;
+        let resources = match (attempt % sets) as usize {
+            0 => self.resources,
+            index => &self.nearby[index - 1],
+        };
+        let found = self.function.call(&numbers, looks.len(), resources)?;
+        for (index, look) in looks.iter_mut().enumerate() {
+            look.hull.add(single, look.lane, &found, index);
+        }
+        Ok(())
+    }
+}
+
+/// A lane that is judged again.
+struct Look {
+    lane: usize,
+    hull: Hull,
+}
+
+impl Look {
+    fn new(lane: usize, single: &Lanes<f32>, exact: &Lanes<DoubleDouble>) -> Self {
+        let mut hull = Hull {
+            bounds: vec![(f64::INFINITY, f64::NEG_INFINITY); single.columns.len()],
+            alike: false,
+        };
+        hull.add(single, lane, exact, lane);
+        Self { lane, hull }
     }
 }
 
@@ -171,8 +207,7 @@ impl Verdict {
         (self.scaled, self.condition) = worst;
         self.whole = whole;
         if !self.same_branch {
-            self.rounding = self.rounding.max(rounding);
-            self.total = self.total.max(rounding);
+            (self.rounding, self.total) = (rounding, rounding);
         }
     }
 }

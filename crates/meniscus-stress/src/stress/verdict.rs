@@ -41,6 +41,9 @@ pub struct Verdict {
     pub rounding: f64,
     /// The formulas with 31 digits against the truth; 0 where there is none.
     pub method: f64,
+    /// The largest of `method` / (1 + condition) over the numbers of the result, the condition being
+    /// that of the arguments.
+    pub method_scaled: f64,
     /// `f32` against the truth, or against 31 digits where there is none.
     pub total: f64,
     /// Relative change of the result for a relative change of the inputs, of the number that
@@ -217,10 +220,20 @@ fn agree(double: f64, exact: DoubleDouble) -> bool {
     difference <= f64::exp2(-40.0) * right.abs() || difference < f64::exp2(-149.0)
 }
 
+/// An error / (1 + condition); what is infinitely wrong stays so.
+fn conditioned(error: f64, condition: f64) -> f64 {
+    if error.is_finite() {
+        error / (1.0 + condition)
+    } else {
+        error
+    }
+}
+
 impl Verdict {
     const GOOD: Self = Self {
         rounding: 0.0,
         method: 0.0,
+        method_scaled: 0.0,
         total: 0.0,
         condition: 0.0,
         scaled: 0.0,
@@ -239,28 +252,26 @@ impl Verdict {
         }
         let rounding = ulps(found, exact);
         self.rounding = self.rounding.max(rounding);
-        match right.filter(|r| !r.is_nan()) {
-            Some(right) => {
-                let method = (exact - right).abs() / ulp(right);
-                self.method = self.method.max(if method.is_nan() {
-                    f64::INFINITY
-                } else {
-                    method
-                });
-                self.total = self.total.max(ulps(found, right));
-            }
-            None => self.total = self.total.max(rounding),
-        }
         let condition = if condition.is_nan() {
             f64::INFINITY
         } else {
             condition
         };
-        let scaled = if rounding.is_finite() {
-            rounding / (1.0 + condition)
-        } else {
-            rounding
-        };
+        match right.filter(|r| !r.is_nan()) {
+            Some(right) => {
+                let method = (exact - right).abs() / ulp(right);
+                let method = if method.is_nan() {
+                    f64::INFINITY
+                } else {
+                    method
+                };
+                self.method = self.method.max(method);
+                self.method_scaled = self.method_scaled.max(conditioned(method, condition));
+                self.total = self.total.max(ulps(found, right));
+            }
+            None => self.total = self.total.max(rounding),
+        }
+        let scaled = conditioned(rounding, condition);
         if scaled >= self.scaled {
             (self.scaled, self.condition) = (scaled, condition);
         }
@@ -269,6 +280,7 @@ impl Verdict {
     fn settle(&mut self) {
         if !self.same_branch && self.finite {
             (self.rounding, self.method, self.total) = (0.0, 0.0, 0.0);
+            self.method_scaled = 0.0;
         }
         if self.proven.is_nan() {
             self.proven = f64::INFINITY;

@@ -47,10 +47,8 @@ fn errors_after_conditioning_are_small_except_where_the_table_tells_why() {
     let exceptions = exceptions();
     let mut wrong = Vec::new();
     for declared in &all {
-        let module = composer.library().get(&declared.module).expect("known");
         let name = format!("{}:{}", declared.module, declared.name);
-        // Domains of structures belong to whatever takes them.
-        if !module.file.text.contains(&format!("fn {}(", declared.name)) || !name.contains(&only) {
+        if !declared.is_function(composer.library()) || !name.contains(&only) {
             continue;
         }
         let start = std::time::Instant::now();
@@ -59,23 +57,23 @@ fn errors_after_conditioning_are_small_except_where_the_table_tells_why() {
         let bound = exceptions.get(&name).copied().unwrap_or(ASKED);
         println!(
             "{name:45} {:9.3e} rounding {:9.3e} {:6.1} s, of {bound}; branches {}, whole {}, not finite {}, at {:?}: {:?}",
-            assay.scaled.max,
-            assay.rounding.max,
+            assay.found.scaled.max,
+            assay.found.rounding.max,
             start.elapsed().as_secs_f64(),
-            assay.branches,
-            assay.whole,
-            assay.non_finite,
+            assay.found.branches,
+            assay.found.whole,
+            assay.found.non_finite,
             assay.parts_at,
-            if assay.scaled.max > ASKED {
+            if assay.found.scaled.max > ASKED {
                 &assay.worst_numbers[..]
             } else {
                 &[]
             },
         );
-        if assay.non_finite > 0 || assay.scaled.max > bound {
+        if assay.found.non_finite > 0 || assay.found.scaled.max > bound {
             wrong.push(format!(
                 "{name}: {:.2} ulp / (1 + condition), {bound} allowed; {} not finite; worst {:?}",
-                assay.scaled.max, assay.non_finite, assay.worst_numbers
+                assay.found.scaled.max, assay.found.non_finite, assay.worst_numbers
             ));
         }
     }

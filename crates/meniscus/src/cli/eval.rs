@@ -80,7 +80,7 @@ pub(crate) fn run(project: &Project, eval: &Eval) -> Result<(), Failure> {
     let host = eval.surroundings.host()?;
     let specimen = Specimen::new(&project.composer, module, &Choice::default())?;
     let function = specimen.function(name)?;
-    let columns = columns(&function);
+    let columns = function.numbers().collect::<Vec<_>>();
     let rows = match &eval.csv {
         Some(file) => read(file, &columns)?,
         None => vec![given(&eval.function, &columns, &eval.arguments)?],
@@ -132,17 +132,6 @@ pub(crate) fn run(project: &Project, eval: &Eval) -> Result<(), Failure> {
     };
     let names: Vec<String> = leaves.iter().map(named).collect();
     print(&names, &found, eval.csv.is_some())
-}
-
-/// Names and kinds of the single numbers that a function takes.
-fn columns(function: &Function) -> Vec<(String, Kind)> {
-    let of = |(name, shape): (&str, &meniscus::stress::Shape)| {
-        let leaves = shape.leaves().into_iter();
-        leaves
-            .map(|(path, kind)| (format!("{name}{path}"), kind))
-            .collect::<Vec<_>>()
-    };
-    function.arguments().flat_map(of).collect()
 }
 
 fn number(word: &str, kind: Kind) -> Option<f64> {

@@ -20,9 +20,10 @@ pub(crate) struct Stability {
     /// Time what fills this slot and hold it to an independent truth; with --json to a file.
     #[arg(long, value_name = "SLOT")]
     solvers: Option<String>,
-    /// Write the page from functions.json (`stress --json`), scenes.json (`stress --scenes … --json`),
-    /// solvers.json (`stress --solvers … --json`) and told.md, which stand in the folder of the
-    /// page's name without its ending.
+    /// Write the page from functions.json (`stress --json`), agreement.json (`stress --agreement
+    /// --json`), exhaustive.json (`stress --exhaustive --json`), scenes.json (`stress --scenes …
+    /// --json`), solvers.json (`stress --solvers … --json`) and told.md, which stand in the folder of
+    /// the page's name without its ending.
     #[arg(long, value_name = "FILE.md")]
     page: Option<PathBuf>,
 }
@@ -84,6 +85,8 @@ fn data(folder: &Path) -> Result<StabilityData, Failure> {
     };
     Ok(StabilityData {
         functions: json("functions.json")?,
+        agreement: json("agreement.json")?,
+        exhaustive: json("exhaustive.json")?,
         scenes: json("scenes.json")?,
         solvers: serde_json::from_str(&text("solvers.json")?)
             .map_err(|error| wrong("solvers.json", error))?,

@@ -1,14 +1,19 @@
 //! `meniscus stress`
 
-use std::time::{Duration, Instant};
+mod agreement;
+mod exhaustive;
+
+use std::path::Path;
+use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use meniscus::gpu::{Gpu, GpuError};
 use meniscus::measure::write_atomically;
 use meniscus::source::{Diagnostic, Report};
 use meniscus::stress::Effort;
-use meniscus::stress::modules::{Assay, Declared, Device, Exhaustive, Host, declared};
+use meniscus::stress::modules::{Assay, Declared, Device, declared};
 use meniscus::{FunctionsOnGpu, Project};
+use serde_json::{Value, json};
 
 use super::arguments::Stress;
 use super::progress::Bar;
@@ -26,9 +31,14 @@ pub(crate) struct Computers {
     /// is given.
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
-    /// Try a function of one number on all floats there are, on the CPU; it takes minutes.
+    /// Try a function of one number on all floats there are, on the CPU; it takes an hour on two
+    /// cores. If none is named, all functions of one number.
     #[arg(long)]
     exhaustive: bool,
+    /// Hold what the adapter computes to what the evaluator computes, bit by bit, on as many inputs
+    /// as --samples says.
+    #[arg(long, conflicts_with = "exhaustive")]
+    agreement: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -71,7 +81,10 @@ pub(crate) fn run(project: &Project, stress: &Stress) -> Result<(), Failure> {
         stress.worst.as_ref(),
     )?;
     if stress.computers.exhaustive {
-        return exhaust(project, &all, &chosen, &host);
+        return exhaustive::run(project, stress, &all, &chosen, &host);
+    }
+    if stress.computers.agreement {
+        return agreement::run(project, stress, &all, &chosen, &host);
     }
     let computers = stress.computers.open()?;
     for gpu in computers.iter().flatten() {
@@ -118,9 +131,8 @@ pub(crate) fn run(project: &Project, stress: &Stress) -> Result<(), Failure> {
         }
     }
     if let Some(path) = &stress.json {
-        let text = serde_json::to_string_pretty(&assays)
-            .map_err(|error| Failure::Machine(format!("error: {error}")))?;
-        write_atomically(path, text.as_bytes())?;
+        let on: Vec<String> = computers.iter().map(told).collect();
+        write_json(path, stress, &json!({ "on": on, "functions": assays }))?;
     }
     if let Some(path) = &stress.markdown {
         write_atomically(path, table.as_bytes())?;
@@ -145,10 +157,7 @@ fn choose<'d>(
 ) -> Result<Vec<&'d Declared>, Report> {
     let functions: Vec<&Declared> = all
         .iter()
-        .filter(|declared| {
-            let module = project.composer.library().get(&declared.module);
-            module.is_some_and(|m| m.file.text.contains(&format!("fn {}(", declared.name)))
-        })
+        .filter(|declared| declared.is_function(project.composer.library()))
         .collect();
     let Some(target) = target else {
         return Ok(functions);
@@ -173,51 +182,34 @@ fn choose<'d>(
     Ok(found)
 }
 
+/// What computes, in words.
+fn told(computer: &Option<FunctionsOnGpu>) -> String {
+    match computer {
+        Some(gpu) => gpu.0.facts().to_string(),
+        None => "the CPU".to_owned(),
+    }
+}
+
+/// Writes results with where they come from.
+fn write_json(path: &Path, stress: &Stress, found: &Value) -> Result<(), Failure> {
+    let mut all = json!({
+        "meniscus": env!("CARGO_PKG_VERSION"),
+        "commit": meniscus::COMMIT,
+        "samples": stress.samples,
+        "seed": stress.seed,
+    });
+    if let (Some(all), Some(found)) = (all.as_object_mut(), found.as_object()) {
+        all.extend(found.clone());
+    }
+    let text = serde_json::to_string_pretty(&all)
+        .map_err(|error| Failure::Machine(format!("error: {error}")))?;
+    Ok(write_atomically(path, (text + "\n").as_bytes())?)
+}
+
 /// What stands behind a function's name that did not run on the CPU.
 fn on(assay: &Assay) -> String {
     let device = assay.device.as_ref();
     device.map_or_else(String::new, |device| format!(" on {device}"))
-}
-
-/// Every float for functions of one number.
-fn exhaust(
-    project: &Project,
-    all: &[Declared],
-    chosen: &[&Declared],
-    host: &Host,
-) -> Result<(), Failure> {
-    for function in chosen {
-        let name = format!("{}:{}", function.module, function.name);
-        let bar = Bar::new();
-        let start = Instant::now();
-        let progress = |part: f64| bar.tell(&name, part);
-        let found = Exhaustive::run(&project.composer, all, function, host, &progress)?;
-        bar.finish();
-        println!(
-            "{name}: every finite float, in {:.0} s",
-            start.elapsed().as_secs_f64()
-        );
-        let (low, high) = found.domain;
-        for (what, part) in [
-            (
-                format!("from {low:e} to {high:e}, its domain"),
-                found.inside,
-            ),
-            ("all others".to_owned(), found.outside),
-        ] {
-            println!("  {what}: {} floats", part.inputs);
-            println!(
-                "    largest error           {:.4e} ulp at {:e}",
-                part.max, part.at
-            );
-            println!(
-                "    error / (1 + condition) {:.4e} ulp at {:e}",
-                part.scaled, part.scaled_at
-            );
-            println!("    not finite              {}", part.non_finite);
-        }
-    }
-    Ok(())
 }
 
 /// A Markdown table, aligned for the terminal.
@@ -241,30 +233,30 @@ fn table(assays: &[Assay]) -> String {
     for assay in assays {
         rows.push([
             format!("{}:{}{}", assay.module, assay.function, on(assay)),
-            assay.inputs.to_string(),
-            short(assay.rounding.median),
-            short(assay.rounding.p99),
-            short(assay.rounding.max),
+            assay.found.inputs.to_string(),
+            short(assay.found.rounding.median),
+            short(assay.found.rounding.p99),
+            short(assay.found.rounding.max),
             assay
+                .found
                 .method
                 .map_or("—".to_owned(), |method| short(method.max)),
-            short(assay.condition.max),
-            short(assay.scaled.p99),
-            short(assay.scaled.max),
-            assay.non_finite.to_string(),
-            assay.branches.to_string(),
-            format!("{:.0} %", 100.0 * assay.enclosed),
+            short(assay.found.condition.max),
+            short(assay.found.scaled.p99),
+            short(assay.found.scaled.max),
+            assay.found.non_finite.to_string(),
+            assay.found.branches.to_string(),
+            format!("{:.0} %", 100.0 * assay.found.enclosed),
             assay.parts_at.clone().unwrap_or_else(|| "—".to_owned()),
         ]);
     }
-    let widths: Vec<usize> = (0..title.len())
-        .map(|i| {
-            rows.iter()
-                .map(|row| row[i].chars().count())
-                .max()
-                .unwrap_or(0)
-        })
-        .collect();
+    aligned(&rows)
+}
+
+/// Rows in Markdown, the first being the head, with columns of equal width.
+fn aligned<const COLUMNS: usize>(rows: &[[String; COLUMNS]]) -> String {
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max();
+    let widths: [usize; COLUMNS] = std::array::from_fn(|column| width(column).unwrap_or(0));
     let mut text = String::new();
     for (index, row) in rows.iter().enumerate() {
         let cells: Vec<String> = row
