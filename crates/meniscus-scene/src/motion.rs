@@ -255,8 +255,9 @@ impl Scene {
 
     /// How an object moves; none where it is static.
     pub fn motion_of(&self, object: u32) -> Option<&Motion> {
-        let mut bodies = self.moving.bodies.iter();
-        bodies.find(|b| b.object == object).map(Body::motion)
+        let bodies = &self.moving.bodies;
+        let found = bodies.binary_search_by_key(&object, |body| body.object);
+        found.ok().map(|index| bodies[index].motion())
     }
 
     /// The first object that is farther from the origin than coordinates serve (1000 km along an axis)

@@ -146,6 +146,13 @@ pub(super) const COSTS: &[Column] = &[
         show: |r| size(other(r, "uploaded_bytes")),
     },
     Column {
+        heading: "update in ms",
+        show: |r| match r.more.get("update").and_then(|u| u["ms"].as_f64()) {
+            Some(ms) => digits(ms),
+            None => NONE.into(),
+        },
+    },
+    Column {
         heading: "prepared in ms",
         show: |r| match r.more.get("preprocessing_ms").and_then(Value::as_f64) {
             Some(ms) => digits(ms),
@@ -157,7 +164,8 @@ pub(super) const COSTS: &[Column] = &[
 /// What the columns of [`COSTS`] mean.
 pub(super) const COSTS_NOTES: &str = "Of one frame. Vertices, fragments and threads: shader \
     invocations. Textures and buffers: the pipeline's own; scene: what it reads of the scene. \
-    Upload: when the water has moved. Prepared: before the first frame, for what it reads.";
+    Upload: when water and objects have moved. Update: what following moving objects takes \
+    on the CPU, uploads included. Prepared: before the first frame, for what it reads.";
 
 fn other(row: &Row, counter: &str) -> Option<u64> {
     row.counters.more.get(counter).and_then(Value::as_u64)

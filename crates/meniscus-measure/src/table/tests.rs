@@ -79,6 +79,8 @@ fn costs_show_what_is_known_and_leave_out_nothing() {
     results.rows[0]
         .more
         .insert("preprocessing_ms".into(), json!(12.5));
+    let update = json!({ "objects": 2, "bytes": 960, "ms": 0.75, "tree_ms": 0.5 });
+    results.rows[0].more.insert("update".into(), update);
     let table = Table::of_costs(&results);
     let cells = table.cells();
     let cell = |row: usize, heading: &str| {
@@ -88,6 +90,8 @@ fn costs_show_what_is_known_and_leave_out_nothing() {
     assert_eq!(cell(0, "passes"), "2");
     assert_eq!(cell(0, "textures"), "3.00 MiB");
     assert_eq!(cell(0, "prepared in ms"), "12.5");
+    assert_eq!(cell(0, "update in ms"), "0.750");
+    assert_eq!(cell(1, "update in ms"), "–");
     assert_eq!(cell(1, "textures"), "–");
     assert_eq!(cell(1, "triangles"), "16\u{202f}000");
 }
