@@ -12,6 +12,7 @@ fn meet(ray: Ray) -> Meeting {
     if !(distance > 0.0 && distance < 1e9) {
         return Meeting(vec3f(0.0), vec3f(0.0, 0.0, 1.0), false);
     }
-    let point = ray.origin + distance * ray.direction;
+    // On the plane to the last bit, from however far the ray comes.
+    let point = vec3f(ray.origin.xy + distance * ray.direction.xy, water.level);
     return Meeting(point, shape_normal(surface(point.xy)), true);
 }

@@ -7,7 +7,7 @@
 // slots: surface
 // number march_steps: 1 to 256, step 1
 // number newton_steps: 1 to 16, step 1
-// domain: meet(ray.origin -1e4 to 1e4 from 1e-6, ray.direction unit)
+// domain: meet(ray.origin -1e4 to 1e4 from 1e-6, ray.direction unit) against waves
 
 // Steps of rays that may run along the waves, and of those too steep for it.
 override march_steps: i32 = 128;

@@ -76,9 +76,13 @@ fn march_to_waves(ray: Ray, side: f32, steep: bool, steps: i32) -> WaveMarch {
         left = select(left, 0, found || t + step > limit);
         t += step;
     }
-    found = found || (fall > 0.0 && t <= limit);
     if !found {
-        return WaveMarch(vec3f(0.0), vec2f(0.0), false);
+        if fall <= 0.0 || t > limit {
+            return WaveMarch(vec3f(0.0), vec2f(0.0), false);
+        }
+        // Its steps have ended: where they last looked.
+        t -= step;
+        step = 0.0;
     }
     // The waves tell the height more exactly than the ray does, which may come from far.
     let turn = shape_turn(shape, step * ahead);
