@@ -237,8 +237,13 @@ impl Bodies {
             None => {
                 // Room for what other moments need.
                 let (mut vertices, mut indices) = (vertices.to_vec(), indices.to_vec());
-                vertices.resize(2 * vertices.len(), vertices[0]);
-                indices.resize(2 * indices.len(), 0);
+                let limit = gpu.device().limits().max_buffer_size as usize;
+                let room = |count: usize, bytes: usize| match 2 * count * bytes <= limit {
+                    true => 2 * count,
+                    false => count,
+                };
+                vertices.resize(room(vertices.len(), size_of::<Vertex>()), vertices[0]);
+                indices.resize(room(indices.len(), size_of::<u32>()), 0);
                 let buffers = GeometryBuffers::new(gpu, &vertices, &indices)?;
                 state.written += buffers.bytes();
                 buffers

@@ -1,11 +1,9 @@
 //! A tree of boxes about a scene's triangles, as rays in shaders walk it.
 
-use std::time::Instant;
-
 use glam::{Vec3, Vec3A};
 use meniscus_pipeline::host::{BVH_DEPTH, WIDE_BVH_STACK};
 use meniscus_scene::Mesh;
-use obvhs::aabb::Aabb;
+pub(crate) use obvhs::aabb::Aabb;
 use obvhs::bvh2::leaf_collapser::collapse;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
@@ -13,7 +11,7 @@ use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use crate::wide_bvh::{most_waiting, widened};
 
 /// Triangles of a leaf at most.
-const MOST_IN_A_LEAF: u32 = 4;
+pub(crate) const MOST_IN_A_LEAF: u32 = 4;
 /// What visiting a node costs beside testing a triangle.
 const TRAVERSAL_COST: f32 = 1.0;
 /// The part of the nodes that is put in at a better place.
@@ -32,51 +30,73 @@ pub(crate) struct Node {
     pub count: u32,
 }
 
+impl Node {
+    /// A leaf without anything in it.
+    pub const EMPTY: Self = Self {
+        low: Vec3::ZERO,
+        high: Vec3::ZERO,
+        first: 0,
+        count: 0,
+    };
+}
+
 /// The tree, and the order of the triangles that its leaves name.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Bvh {
     pub nodes: Vec<Node>,
-    /// Indices of triangles in the mesh.
+    /// Indices of what was given.
     pub order: Vec<u32>,
-    /// How long it took to build.
-    pub build_ms: f64,
 }
 
 impl Bvh {
-    /// Builds the tree; empty without triangles. Corners are finite and their indices in range.
+    /// Builds the tree about these boxes, which are finite; empty without any.
     ///
     /// Meister and Bittner 2018, "Parallel Locally-Ordered Clustering for Bounding Volume Hierarchy
     /// Construction", then reinsertion (Meister and Bittner 2017), by the crate obvhs. Where that
     /// becomes too deep for a shader's stack, or boxes are so large that their areas overflow,
     /// triangles are halved along the widest axis instead, which is never deeper than log₂ of
     /// their number.
-    pub fn new(mesh: &Mesh) -> Self {
-        let start = Instant::now();
-        let boxes = boxes(mesh);
+    pub fn new(boxes: &[Aabb]) -> Self {
         let sides = boxes
             .iter()
             .fold(Vec3A::ZERO, |s, b| s.max(b.min.abs()).max(b.max.abs()));
         let mut tree = None;
         if sides.max_element() < LARGEST_AREA_SIDE {
-            tree = Some(clustered(&boxes)).filter(|(nodes, _)| fits(nodes));
+            let (nodes, order) = clustered(boxes);
+            tree = Some(Self { nodes, order }).filter(|tree| fits(&tree.nodes));
         }
-        let (nodes, order) = tree.unwrap_or_else(|| halved(&boxes));
-        Self {
-            nodes,
-            order,
-            build_ms: start.elapsed().as_secs_f64() * 1e3,
-        }
+        tree.unwrap_or_else(|| Self::halved(boxes, MOST_IN_A_LEAF))
+    }
+
+    /// The tree that is never deeper than log₂ of the number of boxes, with so many in a leaf at most.
+    pub fn halved(boxes: &[Aabb], most: u32) -> Self {
+        let (nodes, order) = halved(boxes, most);
+        Self { nodes, order }
     }
 }
 
-/// The box about each triangle.
-fn boxes(mesh: &Mesh) -> Vec<Aabb> {
-    let around = |triangle: &meniscus_scene::Triangle| {
-        let corners = triangle.corners.map(|c| mesh.positions[c as usize]);
-        let [a, b, c] = corners.map(Vec3A::from);
-        Aabb::new(a.min(b).min(c), a.max(b).max(c))
-    };
-    mesh.triangles.iter().map(around).collect()
+/// Gives nodes the boxes of what they hold now, the last ones first: children stand behind their
+/// parents, which `first` counts from `base` on. `leaf` is the box about a leaf's triangles.
+pub(crate) fn refit(nodes: &mut [Node], base: usize, leaf: impl Fn(&Node) -> [Vec3; 2]) {
+    for index in (0..nodes.len()).rev() {
+        let node = nodes[index];
+        let [low, high] = match node.count {
+            0 => {
+                let first = node.first as usize - base;
+                let [a, b] = [nodes[first], nodes[first + 1]];
+                [a.low.min(b.low), a.high.max(b.high)]
+            }
+            _ => leaf(&node),
+        };
+        (nodes[index].low, nodes[index].high) = (low, high);
+    }
+}
+
+/// The box about a triangle of a mesh in which its corners are.
+pub(crate) fn around(mesh: &Mesh, triangle: u32) -> Aabb {
+    let corners = mesh.triangles[triangle as usize].corners;
+    let [a, b, c] = corners.map(|c| Vec3A::from(mesh.positions[c as usize]));
+    Aabb::new(a.min(b).min(c), a.max(b).max(c))
 }
 
 fn clustered(boxes: &[Aabb]) -> (Vec<Node>, Vec<u32>) {
@@ -113,11 +133,11 @@ fn clustered(boxes: &[Aabb]) -> (Vec<Node>, Vec<u32>) {
 
 /// Whether walks through the tree, as it is and widened, need no more room than shaders have.
 fn fits(nodes: &[Node]) -> bool {
-    depth(nodes) <= BVH_DEPTH && most_waiting(&widened(nodes)) <= WIDE_BVH_STACK
+    depth(nodes) <= BVH_DEPTH && most_waiting(&widened(nodes).0) <= WIDE_BVH_STACK
 }
 
 /// The most steps from the root to a leaf.
-fn depth(nodes: &[Node]) -> usize {
+pub(crate) fn depth(nodes: &[Node]) -> usize {
     let mut deepest = 0;
     let mut open = vec![(0, 0)];
     while let Some((index, depth)) = open.pop() {
@@ -133,8 +153,8 @@ fn depth(nodes: &[Node]) -> usize {
     deepest
 }
 
-/// Triangles in two halves along the widest axis of their centres, and so on.
-fn halved(boxes: &[Aabb]) -> (Vec<Node>, Vec<u32>) {
+/// Boxes in two halves along the widest axis of their centres, and so on.
+fn halved(boxes: &[Aabb], most: u32) -> (Vec<Node>, Vec<u32>) {
     let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
     let mut nodes = Vec::new();
     if boxes.is_empty() {
@@ -162,7 +182,7 @@ fn halved(boxes: &[Aabb]) -> (Vec<Node>, Vec<u32>) {
     let mut open = vec![(0, 0..boxes.len())];
     while let Some((index, range)) = open.pop() {
         let items = &mut order[range.clone()];
-        if items.len() <= MOST_IN_A_LEAF as usize {
+        if items.len() <= most as usize {
             nodes[index].first = range.start as u32;
             nodes[index].count = items.len() as u32;
             continue;
@@ -184,10 +204,26 @@ fn halved(boxes: &[Aabb]) -> (Vec<Node>, Vec<u32>) {
     (nodes, order)
 }
 
+/// Expected cost of a ray by the surface area heuristic: visits and triangle tests.
+#[cfg(test)]
+pub(crate) fn cost(nodes: &[Node]) -> f32 {
+    let area = |n: &Node| {
+        let s = n.high - n.low;
+        s.x * s.y + s.y * s.z + s.z * s.x
+    };
+    let work = |n: &Node| area(n) * (n.count as f32).max(TRAVERSAL_COST);
+    nodes.iter().map(work).sum::<f32>() / area(&nodes[0])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use meniscus_scene::Triangle;
+
+    fn boxes(mesh: &Mesh) -> Vec<Aabb> {
+        let all = 0..mesh.triangles.len() as u32;
+        all.map(|triangle| around(mesh, triangle)).collect()
+    }
 
     fn soup(count: usize, place: impl Fn(usize) -> [Vec3; 3]) -> Mesh {
         let positions: Vec<Vec3> = (0..count).flat_map(place).collect();
@@ -232,7 +268,7 @@ mod tests {
     #[test]
     fn every_triangle_is_in_one_leaf_and_all_boxes_above_it() {
         for mesh in meshes() {
-            let bvh = Bvh::new(&mesh);
+            let bvh = Bvh::new(&boxes(&mesh));
             let mut found = vec![0; mesh.triangles.len()];
             let root = bvh.nodes.first().copied();
             let mut open: Vec<(Node, Vec<Node>)> = root.map(|n| (n, vec![])).into_iter().collect();
@@ -258,20 +294,17 @@ mod tests {
                 }
             }
             assert_eq!(visited, bvh.nodes.len());
-            assert!(most_waiting(&widened(&bvh.nodes)) <= WIDE_BVH_STACK);
+            let inner = bvh.nodes.iter().enumerate().filter(|(_, n)| n.count == 0);
+            for (index, node) in inner {
+                assert!(
+                    node.first as usize > index,
+                    "children stand behind their parents"
+                );
+            }
+            assert!(most_waiting(&widened(&bvh.nodes).0) <= WIDE_BVH_STACK);
             crate::wide_bvh::tests::check(&bvh.nodes);
             assert!(found.iter().all(|&count| count == 1));
         }
-    }
-
-    /// Expected cost of a ray by the surface area heuristic: visits and triangle tests.
-    fn cost(nodes: &[Node]) -> f32 {
-        let area = |n: &Node| {
-            let s = n.high - n.low;
-            s.x * s.y + s.y * s.z + s.z * s.x
-        };
-        let work = |n: &Node| area(n) * (n.count as f32).max(TRAVERSAL_COST);
-        nodes.iter().map(work).sum::<f32>() / area(&nodes[0])
     }
 
     #[test]
@@ -284,8 +317,8 @@ mod tests {
             [0, 1, 2].map(|k| centre + size * at(k))
         });
         let boxes = boxes(&mesh);
-        let built = Bvh::new(&mesh);
+        let built = Bvh::new(&boxes);
         assert_eq!(built.nodes, clustered(&boxes).0);
-        assert!(cost(&built.nodes) < cost(&halved(&boxes).0));
+        assert!(cost(&built.nodes) < cost(&halved(&boxes, MOST_IN_A_LEAF).0));
     }
 }

@@ -1,8 +1,9 @@
 //! What a frame does, counted: figures that do not depend on the machine's load.
 
+use crate::moving::Drawn;
 use crate::queries::Queries;
 use crate::record::Instrument;
-use crate::steps::{Draw, Step, Work};
+use crate::steps::{Step, Work};
 use crate::tiles::Tiles;
 use crate::{Frame, GpuError};
 
@@ -74,12 +75,9 @@ impl Frame {
             .map(|step| PassCounters {
                 name: step.name.clone(),
                 triangles: match &step.work {
-                    Work::Render {
-                        draw: Draw::Scene(_, range),
-                        ..
-                    } => u64::from(range.end - range.start) / 3,
-                    _ => 0,
-                },
+                    Work::Render { draw, .. } => draw.triangles(),
+                    Work::Compute(_) => 0,
+                } + step.moving.as_ref().map_or(0, Drawn::triangles),
                 ..PassCounters::default()
             })
             .collect();
@@ -108,7 +106,10 @@ impl Frame {
         let total = |count: fn(&PassCounters) -> Option<u64>| passes.iter().map(count).sum();
         Ok(Counters {
             triangles: passes.iter().map(|p| p.triangles).sum(),
-            draws: steps.iter().map(|s| drawing(&s.work)).sum(),
+            draws: steps
+                .iter()
+                .map(|s| drawing(&s.work) + u64::from(s.moving.is_some()))
+                .sum(),
             dispatches: steps
                 .iter()
                 .map(|s| u64::from(s.is_compute()) + s.tiles().map_or(0, |_| Tiles::DISPATCHES))

@@ -5,10 +5,12 @@ use std::time::Instant;
 
 use glam::UVec2;
 use meniscus_pipeline::{Plan, Size};
-use meniscus_scene::{Scene, View};
+use meniscus_scene::{Moving, Scene, View};
 
+use crate::bodies::Versions;
 use crate::host_buffers::Written;
 use crate::host_scene::{HostScene, Views};
+use crate::moving::{self, Moved, Reads};
 use crate::parts::{Making, Parts, Skipping};
 use crate::pipelines::Pipeline;
 use crate::queries::Queries;
@@ -17,10 +19,10 @@ use crate::record::{self, Instrument, Stopwatch};
 use crate::resources::{Resources, check_size};
 use crate::reuse::Reuse;
 use crate::scene_buffers::SceneBuffers;
-use crate::steps::{self, Step};
+use crate::steps::Step;
 use crate::tiles::TilePipelines;
 use crate::timing::{self, FrameTiming, Stamps};
-use crate::{Gpu, GpuError, PipelineCache, live, uses};
+use crate::{Gpu, GpuError, PipelineCache, fitting, live, uses};
 
 /// A plan with everything that it needs on a GPU, for one scene and size.
 #[derive(Debug)]
@@ -35,6 +37,11 @@ pub struct Frame {
     skipping: Skipping,
     tiles: Arc<TilePipelines>,
     stopwatch: Option<Stopwatch>,
+    moving: Moving,
+    reads: Reads,
+    /// Of what moves, as the parts show it.
+    versions: Versions,
+    moved: Moved,
     uploaded: u64,
     uploaded_last: u64,
 }
@@ -71,12 +78,14 @@ impl Frame {
         check_size(gpu, "a picture", size)?;
         let mut pipelines = Vec::with_capacity(plan.passes.len());
         for pass in &plan.passes {
-            steps::check(plan, pass)?;
-            let formats = steps::colour_formats(plan, pass)?;
+            fitting::check(plan, pass)?;
+            let formats = fitting::colour_formats(plan, pass)?;
             let tiled = skipping.regions && uses::front_depth(plan, pass).is_some();
             pipelines.push(cache.get(gpu, pass, &formats, tiled)?);
         }
         let host = scene.host.clone();
+        let (moving, reads) = (scene.moving().clone(), Reads::of(plan));
+        let (versions, _) = scene.follow(gpu, &moving, reads)?;
         let parts = Parts::new(&Making {
             gpu,
             plan,
@@ -87,7 +96,7 @@ impl Frame {
             skipping,
             tiles: &cache.tiles,
         })?;
-        let stopwatch = stopwatch(gpu, &parts.steps)?;
+        let stopwatch = Stopwatch::new(gpu, &parts.steps)?;
         Ok(Self {
             gpu: gpu.clone(),
             plan: plan.clone(),
@@ -99,6 +108,10 @@ impl Frame {
             skipping,
             tiles: cache.tiles.clone(),
             stopwatch,
+            moving,
+            reads,
+            versions,
+            moved: Moved::default(),
             uploaded: 0,
             uploaded_last: 0,
         })
@@ -107,23 +120,32 @@ impl Frame {
     /// Takes over another moment, camera, water, light or materials of the same mesh. Only buffers
     /// whose content changes are written; textures are made anew only where the guard band
     /// changes, which depends on the camera's distance from the water and on the waves, not on time.
+    /// Of objects that move, what other frames of the scene share is put where they are now.
     ///
     /// # Errors
-    /// When the heights between which the water may lie, or the mesh, are not those with which
-    /// the scene was uploaded; when a value is not finite.
+    /// When the heights between which the water may lie, or the mesh beside what moves, are not those
+    /// with which the scene was uploaded; when a value is not finite; when the water's time is not
+    /// that of the objects.
     pub fn update(&mut self, scene: &Scene) -> Result<(), GpuError> {
         if !self.scene.fits(scene) {
             return Err(GpuError::Scene(
-                "the mesh, the water's level or its amplitudes have changed: upload the scene anew"
+                "the mesh, what moves, the water's level or its amplitudes have changed: upload the scene anew"
                     .to_owned(),
             ));
         }
+        moving::check(scene)?;
+        let (start, before) = (Instant::now(), self.scene.written());
+        let objects = scene.moving.since(self.moving.time()).count();
+        self.moving = scene.moving.clone();
+        let (versions, tree_ms) = self.scene.follow(&self.gpu, &self.moving, self.reads)?;
+        let measured_anew = self.reads.distances && versions.rays != self.versions.rays;
         let host = HostScene::new(scene);
         let views = host.views(self.size, self.scene.heights());
         let remade = [Size::Frame, Size::Guarded]
             .iter()
             .any(|&s| views.size(s) != self.views().size(s))
-            || host.eye_above() != self.host.eye_above();
+            || host.eye_above() != self.host.eye_above()
+            || measured_anew;
         let written = if remade {
             Written::Outgrown
         } else {
@@ -144,8 +166,13 @@ impl Frame {
             Written::Bytes(bytes) => {
                 self.parts.note_changes();
                 let sight = host.sight(&views);
-                if sight != self.host.sight(&self.parts.resources.views) {
-                    self.parts.redraw(&making, &sight)?;
+                let turned = sight != self.host.sight(&self.parts.resources.views);
+                if turned || versions != self.versions {
+                    let versions = [&self.versions, &versions];
+                    self.parts.show_moved(&making, &sight, versions)?;
+                }
+                if turned {
+                    self.parts.redraw(&making, &sight, &views)?;
                 }
                 self.uploaded_last = bytes + self.parts.confine(&making)?;
                 self.uploaded += self.uploaded_last;
@@ -154,7 +181,49 @@ impl Frame {
         }
         self.parts.resources.views = views;
         self.host = host;
+        self.versions = versions;
+        self.moved = Moved {
+            objects,
+            bytes: self.scene.written() - before,
+            ms: start.elapsed().as_secs_f64() * 1e3,
+            tree_ms,
+        };
+        self.uploaded_last += self.moved.bytes;
+        self.uploaded += self.moved.bytes;
         Ok(())
+    }
+
+    /// Puts what the scene's frames share back where it is at this frame's moment, if another frame
+    /// has moved it.
+    pub(crate) fn keep_up(&mut self) -> Result<(), GpuError> {
+        let (versions, _) = self.scene.follow(&self.gpu, &self.moving, self.reads)?;
+        if versions == self.versions {
+            return Ok(());
+        }
+        let making = Making {
+            gpu: &self.gpu,
+            plan: &self.plan,
+            pipelines: &self.pipelines,
+            scene: &self.scene,
+            host: &self.host,
+            size: self.size,
+            skipping: self.skipping,
+            tiles: &self.tiles,
+        };
+        if self.reads.distances && versions.rays != self.versions.rays {
+            self.parts = Parts::new(&making)?;
+        } else {
+            let sight = self.host.sight(&self.parts.resources.views);
+            let versions = [&self.versions, &versions];
+            self.parts.show_moved(&making, &sight, versions)?;
+        }
+        self.versions = versions;
+        Ok(())
+    }
+
+    /// What the last [`Frame::update`] did about objects that move.
+    pub fn moved(&self) -> &Moved {
+        &self.moved
     }
 
     /// Sets a live number of a pass (and of its twin that tells what is shown) by its path:
@@ -181,6 +250,7 @@ impl Frame {
     /// # Errors
     /// When the graphics library or the driver refuses, or the device is lost.
     pub fn render(&mut self) -> Result<FrameTiming, GpuError> {
+        self.keep_up()?;
         let (instrument, queries) = match &self.stopwatch {
             Some(watch) => (Instrument::Timestamps(watch), Some(&watch.queries)),
             None => (Instrument::Nothing, None),
@@ -316,34 +386,4 @@ impl Frame {
     fn views(&self) -> &Views {
         &self.parts.resources.views
     }
-}
-
-/// None where the adapter has no timestamps, or there is nothing to time.
-fn stopwatch(gpu: &Gpu, steps: &[Step]) -> Result<Option<Stopwatch>, GpuError> {
-    if !gpu.has_timestamps() || steps.is_empty() {
-        return Ok(None);
-    }
-    let queries = Queries::new(gpu, wgpu::QueryType::Timestamp, 2 * steps.len() as u32, 1)?;
-    if !gpu.is_software() || !steps.iter().any(Step::has_compute) {
-        return Ok(Some(Stopwatch {
-            queries,
-            pixel: None,
-        }));
-    }
-    let descriptor = wgpu::TextureDescriptor {
-        label: Some("mark"),
-        size: wgpu::Extent3d::default(),
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8Unorm,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-        view_formats: &[],
-    };
-    let pixel = gpu.create("a pixel to time by", || {
-        let texture = gpu.device().create_texture(&descriptor);
-        texture.create_view(&wgpu::TextureViewDescriptor::default())
-    })?;
-    let pixel = Some(pixel);
-    Ok(Some(Stopwatch { queries, pixel }))
 }

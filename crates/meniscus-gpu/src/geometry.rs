@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use glam::Vec3;
-use meniscus_scene::{Mesh, Scene, WaterGeometry};
+use meniscus_pipeline::Geometry;
+use meniscus_scene::{Cluster, Clusters, Mesh, WaterBand};
 
 use crate::GpuError;
 
@@ -36,84 +37,26 @@ impl Vertex {
     }
 }
 
-/// The heights between which the water's surface may lie: what decides on a triangle's side.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct WaterBand {
-    low: f64,
-    high: f64,
-}
-
-impl WaterBand {
-    /// The rest plane, widened by the sum of the amplitudes where rays meet the waves themselves.
-    pub fn of(scene: &Scene) -> Self {
-        let water = &scene.water;
-        let margin = match water.geometry {
-            WaterGeometry::Flat => 0.0,
-            WaterGeometry::Displaced => water.height_bound(),
-        };
-        // As the shaders know it, so that both draw the line at the same height.
-        Self::about(f64::from(water.level as f32), margin)
-    }
-
-    /// So far about a level, metres.
-    pub fn about(level: f64, margin: f64) -> Self {
-        Self {
-            low: level - margin,
-            high: level + margin,
-        }
-    }
-
-    /// Whether a triangle with corners at these heights has a part on the other side of the water
-    /// than an eye above or below it.
-    pub fn is_far(&self, z: [f32; 3], eye_above: bool) -> bool {
-        let near_alone = if eye_above { Side::Above } else { Side::Below };
-        self.side(z) != near_alone
-    }
-
-    fn side(&self, z: [f32; 3]) -> Side {
-        let least = f64::from(z[0].min(z[1]).min(z[2]));
-        let most = f64::from(z[0].max(z[1]).max(z[2]));
-        // A triangle that lies in a flat rest plane is on no side of it; it is drawn with those above.
-        let above = most > self.low || least >= self.low;
-        let below = least < self.high;
-        match (above, below) {
-            (true, true) => Side::Both,
-            (true, false) => Side::Above,
-            (false, _) => Side::Below,
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Side {
-    Above,
-    Both,
-    Below,
-}
-
 /// Vertices and indices of a scene.
 #[derive(Debug, Default)]
 pub(crate) struct Triangles {
+    /// In the order in which the indices first name them.
     pub vertices: Vec<Vertex>,
     pub indices: Vec<u32>,
-    /// Indices of triangles with a part above the water's lowest height.
-    pub above: Range<u32>,
-    /// Indices of triangles with a part below the water's greatest height.
-    pub below: Range<u32>,
+    /// The triangles' order, and runs of them.
+    pub clusters: Clusters,
 }
 
 impl Triangles {
-    /// Orders the triangles by their side, keeping their order within it, and gives each a first
-    /// vertex of its own where its attributes differ from those that the vertex already carries.
+    /// Orders the triangles by their side and so that neighbours follow each other, which lets
+    /// adapters transform vertices that they share once, and gives each a first vertex of its own
+    /// where its attributes differ from those that the vertex already carries.
     ///
     /// # Errors
     /// When an index is out of range or a position is not finite.
     pub fn new(mesh: &Mesh, band: WaterBand) -> Result<Self, GpuError> {
-        let mut sides = Vec::with_capacity(mesh.triangles.len());
         for (number, triangle) in mesh.triangles.iter().enumerate() {
-            let corners = triangle
-                .corners
-                .map(|c| mesh.positions.get(c as usize).copied());
+            let corners = triangle.corners.map(|c| mesh.positions.get(c as usize));
             let [Some(a), Some(b), Some(c)] = corners else {
                 return Err(GpuError::Scene(format!(
                     "triangle {number} names vertex {} of {}",
@@ -126,29 +69,59 @@ impl Triangles {
                     "a corner of triangle {number} is not finite"
                 )));
             }
-            sides.push((band.side([a.z, b.z, c.z]), number));
         }
-        sides.sort_by_key(|&(side, _)| side);
+        let clusters = Clusters::new(mesh, band);
         let mut builder = Builder::new(mesh);
-        let mut indices = Vec::with_capacity(3 * sides.len());
-        for &(_, number) in &sides {
-            indices.extend(builder.triangle(number));
-        }
+        let order = clusters.order.iter();
+        let mut indices: Vec<u32> = order
+            .flat_map(|&number| builder.triangle(number as usize))
+            .collect();
         if indices.len() > u32::MAX as usize || builder.vertices.len() > u32::MAX as usize {
             return Err(GpuError::Size(format!(
                 "{} triangles are too many",
-                sides.len()
+                mesh.triangles.len()
             )));
         }
-        let end_of = |side: Side| 3 * sides.partition_point(|&(s, _)| s <= side) as u32;
-        let all = indices.len() as u32;
         Ok(Self {
-            above: 0..end_of(Side::Both),
-            below: end_of(Side::Above)..all,
-            vertices: builder.vertices,
+            vertices: renumbered(&builder.vertices, &mut indices),
             indices,
+            clusters,
         })
     }
+
+    /// Where the indices of triangles stand that are drawn for an eye above the water or below.
+    pub fn range(&self, geometry: Geometry, eye_above: bool) -> Range<u32> {
+        let (above, below) = (&self.clusters.above, &self.clusters.below);
+        let triangles = match (geometry, eye_above) {
+            (Geometry::All, _) => above.start..below.end,
+            (Geometry::NearSide, true) | (Geometry::FarSide, false) => above.clone(),
+            (Geometry::NearSide, false) | (Geometry::FarSide, true) => below.clone(),
+        };
+        3 * triangles.start..3 * triangles.end
+    }
+
+    /// The clusters of a range of indices that ends where clusters do.
+    pub fn clusters_of(&self, range: &Range<u32>) -> &[Cluster] {
+        let all = &self.clusters.clusters;
+        let first = all.partition_point(|c| 3 * c.triangles.start < range.start);
+        let end = all.partition_point(|c| 3 * c.triangles.end <= range.end);
+        all.get(first..end).unwrap_or_default()
+    }
+}
+
+/// The vertices that indices name, in the order in which they first do.
+fn renumbered(vertices: &[Vertex], indices: &mut [u32]) -> Vec<Vertex> {
+    let mut places = vec![u32::MAX; vertices.len()];
+    let mut used = Vec::with_capacity(vertices.len());
+    for index in indices {
+        let old = *index as usize;
+        if places[old] == u32::MAX {
+            places[old] = used.len() as u32;
+            used.push(vertices[old]);
+        }
+        *index = places[old];
+    }
+    used
 }
 
 /// What a triangle's first vertex carries for it: the normal's bits and the object.
@@ -211,7 +184,7 @@ impl<'a> Builder<'a> {
 }
 
 /// A direction that is not finite tells nothing; up is as good as any.
-fn finite(direction: Vec3) -> Vec3 {
+pub(crate) fn finite(direction: Vec3) -> Vec3 {
     if direction.is_finite() {
         direction
     } else {
@@ -224,10 +197,9 @@ mod tests {
     use super::*;
     use meniscus_scene::Triangle;
 
-    const FLAT: WaterBand = WaterBand {
-        low: 0.0,
-        high: 0.0,
-    };
+    fn flat() -> WaterBand {
+        WaterBand::about(0.0, 0.0)
+    }
 
     fn mesh(positions: &[[f32; 3]], triangles: &[([u32; 3], u32)]) -> Mesh {
         Mesh {
@@ -256,8 +228,9 @@ mod tests {
     #[test]
     fn every_triangle_begins_with_its_own_attributes_and_keeps_its_corners() {
         let mesh = cone(9);
-        let made = Triangles::new(&mesh, FLAT).unwrap();
-        for (indices, triangle) in made.indices.chunks(3).zip(&mesh.triangles) {
+        let made = Triangles::new(&mesh, flat()).unwrap();
+        for (indices, &number) in made.indices.chunks(3).zip(&made.clusters.order) {
+            let triangle = &mesh.triangles[number as usize];
             let corners: Vec<Vec3> = indices
                 .iter()
                 .map(|&i| made.vertices[i as usize].position.into())
@@ -279,7 +252,7 @@ mod tests {
     #[test]
     fn vertices_are_doubled_only_where_needed() {
         // Nine triangles, ten vertices: each can begin with a vertex of its own.
-        assert_eq!(Triangles::new(&cone(9), FLAT).unwrap().vertices.len(), 10);
+        assert_eq!(Triangles::new(&cone(9), flat()).unwrap().vertices.len(), 10);
         // A coplanar square of one object shares; two objects on one triangle's corners cannot.
         let square = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0]];
         let fourfold = mesh(
@@ -291,9 +264,9 @@ mod tests {
                 ([0, 1, 2], 3),
             ],
         );
-        assert_eq!(Triangles::new(&fourfold, FLAT).unwrap().vertices.len(), 4);
+        assert_eq!(Triangles::new(&fourfold, flat()).unwrap().vertices.len(), 4);
         let same = mesh(&square, &[([0, 1, 2], 0), ([1, 2, 0], 0), ([2, 0, 1], 0)]);
-        assert_eq!(Triangles::new(&same, FLAT).unwrap().vertices.len(), 3);
+        assert_eq!(Triangles::new(&same, flat()).unwrap().vertices.len(), 3);
     }
 
     #[test]
@@ -324,14 +297,9 @@ mod tests {
             (0.0, vec![0, 3, 2], vec![2, 1, 4]),
             (1.5, vec![2, 3, 4, 0, 1], vec![2, 3, 4, 0, 1]),
         ] {
-            let made = Triangles::new(
-                &mesh,
-                WaterBand {
-                    low: -margin,
-                    high: margin,
-                },
-            )
-            .unwrap();
+            let made = Triangles::new(&mesh, WaterBand::about(0.0, margin)).unwrap();
+            let side = |geometry| made.range(geometry, true);
+            let (near, far) = (side(Geometry::NearSide), side(Geometry::FarSide));
             let objects = |range: &Range<u32>| -> Vec<u32> {
                 made.indices[range.start as usize..range.end as usize]
                     .chunks(3)
@@ -342,32 +310,28 @@ mod tests {
                 v.sort_unstable();
                 v
             };
-            assert_eq!(
-                sorted(objects(&made.above)),
-                sorted(above),
-                "margin {margin}"
-            );
-            assert_eq!(
-                sorted(objects(&made.below)),
-                sorted(below),
-                "margin {margin}"
-            );
-            assert_eq!(made.above.start, 0);
-            assert_eq!(made.below.end, 3 * heights.len() as u32);
-            assert!(made.below.start <= made.above.end);
+            assert_eq!(sorted(objects(&near)), sorted(above), "margin {margin}");
+            assert_eq!(sorted(objects(&far)), sorted(below), "margin {margin}");
+            assert_eq!(near.start, 0);
+            assert_eq!(far.end, 3 * heights.len() as u32);
+            assert!(far.start <= near.end);
+            assert_eq!(side(Geometry::All), near.start..far.end);
+            let clusters = made.clusters_of(&far);
+            let first = clusters.first().map(|c| 3 * c.triangles.start);
+            assert_eq!(first, Some(far.start));
         }
     }
 
     #[test]
     fn a_mesh_that_cannot_be_drawn_is_an_error() {
         let good = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0]];
-        let error = Triangles::new(&mesh(&good, &[([0, 1, 3], 0)]), FLAT).unwrap_err();
+        let error = Triangles::new(&mesh(&good, &[([0, 1, 3], 0)]), flat()).unwrap_err();
         assert!(error.to_string().contains("vertex 3 of 3"), "{error}");
         let bad = [[0.0, f32::NAN, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0]];
-        let error = Triangles::new(&mesh(&bad, &[([0, 1, 2], 0)]), FLAT).unwrap_err();
+        let error = Triangles::new(&mesh(&bad, &[([0, 1, 2], 0)]), flat()).unwrap_err();
         assert!(error.to_string().contains("not finite"), "{error}");
         assert!(
-            Triangles::new(&Mesh::default(), FLAT)
+            Triangles::new(&Mesh::default(), flat())
                 .unwrap()
                 .indices
                 .is_empty()

@@ -13,17 +13,23 @@
 //! [`Frame::render`] runs every pass, which is what is timed; [`Frame::refresh`] runs those alone of
 //! which an input has changed since the last frame, and none where nothing has.
 //!
+//! Objects that move have triangles in buffers of their own, and a tree for rays of their own under a
+//! common top: a frame that is brought to another moment writes theirs alone ([`Frame::moved`]), and
+//! only passes that draw or read them count as changed.
+//!
 //! Nothing here panics on what a plan, shader or scene holds: every creation and submission stands
 //! inside error scopes, and [`GpuError`] says what was being done.
 
 mod adapter;
 mod bindings;
+mod bodies;
 mod bvh;
 mod compute;
 mod counters;
 mod distance_field;
 mod driver_cache;
 mod error;
+mod fitting;
 mod footprint;
 mod formats;
 mod frame;
@@ -38,6 +44,7 @@ mod inspect;
 mod kept_pipelines;
 mod layout;
 mod live;
+mod moving;
 mod parts;
 mod pipelines;
 mod queries;
@@ -47,6 +54,7 @@ mod refresh;
 mod region;
 mod resources;
 mod reuse;
+mod runs;
 mod scene_arrays;
 mod scene_buffers;
 mod sharing;
@@ -55,12 +63,14 @@ mod steps;
 mod subdivide;
 mod tiles;
 mod timing;
+mod tracing;
 mod uses;
 mod wide_bvh;
 
 pub use adapter::{AdapterFacts, Gpu, adapters};
 pub use compute::{Compute, run_compute};
 pub use counters::{Counters, PassCounters};
+pub use distance_field::voxels_asked as field_voxels;
 pub use error::GpuError;
 pub use footprint::Footprint;
 pub use frame::Frame;
@@ -69,6 +79,7 @@ pub use guard::{GUARD_MAX, GuardFacts, guard, largest_tilt};
 pub use host_values::HostValues;
 pub use inspect::TextureWords;
 pub use kept_pipelines::cache_folder;
+pub use moving::Moved;
 pub use parts::Skipping;
 pub use pipelines::PipelineCache;
 pub use readback::Pixels;

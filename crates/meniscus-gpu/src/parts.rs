@@ -7,7 +7,7 @@ use meniscus_pipeline::{PassKind, Plan, Pruning};
 
 use crate::bindings::Binder;
 use crate::host_buffers::HostBuffers;
-use crate::host_scene::HostScene;
+use crate::host_scene::{HostScene, Views};
 use crate::live::LiveNumbers;
 use crate::pipelines::Pipeline;
 use crate::region::Region;
@@ -28,6 +28,9 @@ pub struct Skipping {
     pub sharing: bool,
     /// Passes over the water touch the pixels that may show it, those over the rest the others.
     pub regions: bool,
+    /// Triangles of which nothing can be in a pass's view are not drawn by it: see
+    /// [`meniscus_pipeline::Cull`].
+    pub clusters: bool,
 }
 
 impl Skipping {
@@ -35,11 +38,13 @@ impl Skipping {
     pub const ALL: Self = Self {
         sharing: true,
         regions: true,
+        clusters: true,
     };
     /// Nothing is left out.
     pub const NONE: Self = Self {
         sharing: false,
         regions: false,
+        clusters: false,
     };
 }
 
@@ -107,6 +112,7 @@ impl Parts {
             uses: &uses,
             scene,
             sight: host.sight(&views),
+            culling: making.culling(),
             region: &region,
             tiles: making.tiles(),
         };
@@ -146,6 +152,10 @@ impl Making<'_> {
         self.skipping.regions.then_some(self.tiles)
     }
 
+    fn culling(&self) -> Option<&HostScene> {
+        self.skipping.clusters.then_some(self.host)
+    }
+
     fn region(&self) -> Region {
         match self.skipping.regions {
             true => Region::new(self.host, self.size),
@@ -156,13 +166,21 @@ impl Making<'_> {
 
 impl Parts {
     /// Has the passes draw what another camera needs.
-    pub fn redraw(&mut self, making: &Making, sight: &Sight) -> Result<(), GpuError> {
+    pub fn redraw(
+        &mut self,
+        making: &Making,
+        sight: &Sight,
+        views: &Views,
+    ) -> Result<(), GpuError> {
         let steps = making.plan.passes.iter().zip(&mut self.steps);
         for (index, (pass, step)) in steps.enumerate() {
             if let (PassKind::Draw(geometry), Work::Render { draw, .. }) =
                 (&pass.kind, &mut step.work)
             {
-                let new = Draw::scene(making.gpu, making.scene, *geometry, sight)?;
+                let cull = making
+                    .culling()
+                    .and_then(|host| steps::cull(pass, views, host));
+                let new = Draw::scene(making.gpu, making.scene, *geometry, sight, cull.as_ref())?;
                 if new != *draw {
                     *draw = new;
                     self.reuse.touch(index);
@@ -188,6 +206,7 @@ impl Parts {
             uses: &uses,
             scene: making.scene,
             sight: making.host.sight(&self.resources.views),
+            culling: None,
             region: &region,
             tiles: making.tiles(),
         };

@@ -3,6 +3,7 @@
 use crate::pipelines::Stages;
 use crate::queries::Queries;
 use crate::steps::{Attachment, Clear, Draw, Step, Work, Workgroups};
+use crate::{Gpu, GpuError};
 
 /// Where timestamps go.
 #[derive(Debug)]
@@ -12,6 +13,38 @@ pub(crate) struct Stopwatch {
     /// before and after them. Software adapters take the timestamps of a compute pass together
     /// with the next raster pass, when it is over.
     pub pixel: Option<wgpu::TextureView>,
+}
+
+impl Stopwatch {
+    /// None where the adapter has no timestamps, or there is nothing to time.
+    pub fn new(gpu: &Gpu, steps: &[Step]) -> Result<Option<Self>, GpuError> {
+        if !gpu.has_timestamps() || steps.is_empty() {
+            return Ok(None);
+        }
+        let queries = Queries::new(gpu, wgpu::QueryType::Timestamp, 2 * steps.len() as u32, 1)?;
+        if !gpu.is_software() || !steps.iter().any(Step::has_compute) {
+            return Ok(Some(Self {
+                queries,
+                pixel: None,
+            }));
+        }
+        let descriptor = wgpu::TextureDescriptor {
+            label: Some("mark"),
+            size: wgpu::Extent3d::default(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba8Unorm,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+            view_formats: &[],
+        };
+        let pixel = gpu.create("a pixel to time by", || {
+            let texture = gpu.device().create_texture(&descriptor);
+            texture.create_view(&wgpu::TextureViewDescriptor::default())
+        })?;
+        let pixel = Some(pixel);
+        Ok(Some(Self { queries, pixel }))
+    }
 }
 
 /// What is measured while a frame runs.
@@ -142,10 +175,12 @@ pub(crate) fn step(
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, &step.bindings, &[]);
             match draw {
-                Draw::Scene(geometry, range) => {
+                Draw::Scene(geometry, ranges) => {
                     pass.set_vertex_buffer(0, geometry.vertices.slice(..));
                     pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
-                    pass.draw_indexed(range.clone(), 0, 0..1);
+                    for range in ranges {
+                        pass.draw_indexed(range.clone(), 0, 0..1);
+                    }
                 }
                 Draw::Screen(rects) => {
                     for rect in rects {
@@ -158,6 +193,9 @@ pub(crate) fn step(
                     }
                 }
                 Draw::Nothing => {}
+            }
+            if let Some(moving) = &step.moving {
+                moving.record(&mut pass);
             }
             if statistics.is_some() {
                 pass.end_pipeline_statistics_query();

@@ -23,6 +23,7 @@ impl Frame {
     /// # Errors
     /// As [`Frame::render`]; after one, the next call runs all passes.
     pub fn refresh(&mut self) -> Result<Refreshed, GpuError> {
+        self.keep_up()?;
         let mut reuse = std::mem::take(&mut self.parts().reuse);
         let chosen = reuse.passes();
         let passes = chosen.iter().filter(|run| **run).count();

@@ -5,11 +5,13 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use glam::UVec2;
-use meniscus_pipeline::{Geometry, PassKind, Plan, PlannedPass, Rect, Size};
+use meniscus_pipeline::{Cull, Geometry, PassKind, Plan, PlannedPass, Rect, Size};
 use meniscus_shader::{Binding, BindingKind, Entry};
 
 use crate::bindings::Binder;
+use crate::host_scene::{HostScene, Views};
 use crate::host_uses::HostUse;
+use crate::moving::Drawn;
 use crate::pipelines::{Pipeline, Stages};
 use crate::region::Region;
 use crate::resources::{Resources, Target};
@@ -32,6 +34,8 @@ pub(crate) struct Step {
     /// What it reads of the host's buffers.
     pub host_uses: Vec<HostUse>,
     pub work: Work,
+    /// What it draws of objects that move.
+    pub moving: Option<Drawn>,
 }
 
 /// What a step does.
@@ -66,8 +70,8 @@ pub(crate) struct Clear {
 /// What is drawn.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Draw {
-    /// Triangles of the scene: a range of indices.
-    Scene(GeometryBuffers, Range<u32>),
+    /// Triangles of the scene: ranges of indices.
+    Scene(GeometryBuffers, Vec<Range<u32>>),
     /// One triangle that covers everything, in each of these rectangles.
     Screen(Vec<Rect>),
     /// Nothing; the targets are cleared all the same.
@@ -78,7 +82,7 @@ impl Draw {
     /// How many draws it takes.
     pub fn count(&self) -> u64 {
         match self {
-            Self::Scene(..) => 1,
+            Self::Scene(_, ranges) => ranges.len() as u64,
             Self::Screen(rects) => rects.len() as u64,
             Self::Nothing => 0,
         }
@@ -90,11 +94,20 @@ impl Draw {
         scene: &SceneBuffers,
         geometry: Geometry,
         sight: &Sight,
+        cull: Option<&Cull>,
     ) -> Result<Self, GpuError> {
-        let drawing = scene.drawing(gpu, geometry, sight)?;
-        Ok(drawing.map_or(Self::Nothing, |(buffers, range)| {
-            Self::Scene(buffers, range)
+        let drawing = scene.drawing(gpu, geometry, sight, cull)?;
+        Ok(drawing.map_or(Self::Nothing, |(buffers, ranges)| {
+            Self::Scene(buffers, ranges)
         }))
+    }
+
+    /// How many triangles of the scene.
+    pub fn triangles(&self) -> u64 {
+        match self {
+            Self::Scene(_, ranges) => ranges.iter().map(|r| (r.len() / 3) as u64).sum(),
+            _ => 0,
+        }
     }
 }
 
@@ -114,6 +127,8 @@ pub(crate) struct Builder<'a> {
     pub uses: &'a Uses<'a>,
     pub scene: &'a SceneBuffers,
     pub sight: Sight,
+    /// Where the eye and the water are; none where clusters out of view are drawn too.
+    pub culling: Option<&'a HostScene>,
     pub region: &'a Region,
     /// What tiles are listed with; none where none are drawn.
     pub tiles: Option<&'a TilePipelines>,
@@ -159,6 +174,7 @@ impl Builder<'_> {
                 bindings,
                 host_uses: std::mem::take(&mut binder.host_uses),
                 work,
+                moving: Drawn::of(self.gpu, self.scene, &pass.kind, &self.sight)?,
             });
         }
         let never = self
@@ -198,7 +214,12 @@ impl Builder<'_> {
             .collect::<Result<_, _>>()?;
         let depth = pass.depth.as_deref().map(attachment).transpose()?;
         let draw = match &pass.kind {
-            PassKind::Draw(geometry) => Draw::scene(self.gpu, self.scene, *geometry, &self.sight)?,
+            PassKind::Draw(geometry) => {
+                let cull = self
+                    .culling
+                    .and_then(|host| cull(pass, &self.resources.views, host));
+                Draw::scene(self.gpu, self.scene, *geometry, &self.sight, cull.as_ref())?
+            }
             _ => Draw::Screen(self.rects(pass)?),
         };
         let tiles = match (self.tiles, uses::front_depth(self.plan, pass)) {
@@ -313,54 +334,12 @@ impl Builder<'_> {
     }
 }
 
-/// Whether a pass fits together: what no graphics library would tell in the pipeline's words.
-///
-/// # Errors
-/// When stages, outputs, textures or sizes do not fit, or a texture is read while it is written.
-pub(crate) fn check(plan: &Plan, pass: &PlannedPass) -> Result<(), GpuError> {
-    let wrong = |message: String| Err(GpuError::Plan(format!("pass `{}` {message}", pass.name)));
-    let renders = matches!(pass.kind, PassKind::Draw(_) | PassKind::Screen);
-    if renders != matches!(pass.shader.entry, Entry::Render { .. }) {
-        return wrong("has a shader of another stage than it runs in".to_owned());
-    }
-    if renders && pass.targets.len() != pass.shader.outputs.len() {
-        let (outputs, targets) = (pass.shader.outputs.len(), pass.targets.len());
-        return wrong(format!(
-            "has {outputs} outputs and {targets} textures to write"
-        ));
-    }
-    let written = writes(pass);
-    if let Some(both) = reads(pass).find(|name| written.contains(name)) {
-        return wrong(format!("reads the texture `{both}` while it writes it"));
-    }
-    if renders && written.is_empty() {
-        return wrong("writes no texture, which a draw or screen pass has to".to_owned());
-    }
-    let mut first: Option<(&str, Size)> = None;
-    for name in pass
-        .targets
-        .iter()
-        .map(String::as_str)
-        .chain(pass.depth.as_deref())
-    {
-        let Some(texture) = plan.textures.get(name) else {
-            return wrong(format!("writes the texture `{name}`, which is not there"));
-        };
-        if formats::is_depth(texture.format) != (pass.depth.as_deref() == Some(name)) {
-            return wrong(format!(
-                "writes `{name}` as what it is not: depth goes to a depth format, and only depth"
-            ));
-        }
-        match first {
-            Some((first, size)) if size != texture.size => {
-                return wrong(format!(
-                    "writes `{first}` and `{name}`, which differ in size"
-                ));
-            }
-            _ => first = Some((name, texture.size)),
-        }
-    }
-    Ok(())
+/// What of the scene a pass cannot show in these views; none where it does not say where its points
+/// appear.
+pub(crate) fn cull(pass: &PlannedPass, views: &Views, host: &HostScene) -> Option<Cull> {
+    let view = views.get(pass.view_target);
+    let appears = pass.appears?;
+    Some(Cull::new(view, host.water(), host.eye_above(), appears))
 }
 
 fn clear(target: &Target) -> Clear {
@@ -369,27 +348,6 @@ fn clear(target: &Target) -> Clear {
         depth: formats::is_depth(target.format),
         to: formats::empty(target.format),
     }
-}
-
-/// The formats of a pass's colour targets.
-pub(crate) fn colour_formats(
-    plan: &Plan,
-    pass: &PlannedPass,
-) -> Result<Vec<wgpu::TextureFormat>, GpuError> {
-    // Storage textures' formats are in the shader.
-    if !matches!(pass.kind, PassKind::Draw(_) | PassKind::Screen) {
-        return Ok(Vec::new());
-    }
-    let format = |name: &String| {
-        let texture = plan.textures.get(name).ok_or_else(|| {
-            GpuError::Plan(format!(
-                "pass `{}` writes the texture `{name}`, which is not there",
-                pass.name
-            ))
-        })?;
-        Ok(formats::to_wgpu(texture.format))
-    };
-    pass.targets.iter().map(format).collect()
 }
 
 impl Builder<'_> {

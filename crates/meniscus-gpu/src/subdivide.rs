@@ -10,9 +10,10 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::{DVec3, Vec3};
+use meniscus_scene::WaterBand;
 use rayon::prelude::*;
 
-use crate::geometry::{Triangles, Vertex, WaterBand};
+use crate::geometry::{Triangles, Vertex};
 use crate::sight::{Sight, Sighted};
 
 /// Largest distance of a drawn edge from where its points appear, pixels, where the budget allows
@@ -27,6 +28,10 @@ const BUDGET_LEAST: usize = 1 << 18;
 /// … and this many at most, or as many as it has uncut.
 const BUDGET_MOST: usize = 1 << 22;
 
+/// How far above the plane the feet of triangles are drawn to an eye below, metres, or parts of the
+/// plane's own height where that is larger: the least that single precision can tell.
+const LIFT: f32 = 5e-7;
+
 /// Beyond this bound, pixels, nothing is divided any more.
 const BOW_MOST: f64 = 1e6;
 
@@ -35,6 +40,8 @@ const BOW_MOST: f64 = 1e6;
 pub(crate) struct Divided {
     pub vertices: Vec<Vertex>,
     pub indices: Vec<u32>,
+    /// Where the indices begin that each triangle became, and where all end.
+    pub starts: Vec<u32>,
     /// The bound that was kept to, pixels: larger than asked for where the budget was short.
     pub bow_px: f64,
 }
@@ -88,7 +95,7 @@ pub(crate) fn divided(
     }
 }
 
-/// All vertices, then those of the pieces; whole triangles, then pieces.
+/// All vertices, then those of the pieces; triangles in their order.
 fn joined(
     made: &Triangles,
     far: &[u32],
@@ -100,18 +107,23 @@ fn joined(
     }
     let mut vertices = made.vertices.clone();
     let mut indices = Vec::with_capacity(far.len());
-    let whole = far.chunks_exact(3).zip(&parts);
-    for (corners, _) in whole.filter(|(_, part)| part.is_none()) {
-        indices.extend_from_slice(corners);
+    let mut starts = Vec::with_capacity(parts.len() + 1);
+    for (corners, part) in far.chunks_exact(3).zip(parts) {
+        starts.push(indices.len() as u32);
+        match part {
+            None => indices.extend_from_slice(corners),
+            Some(part) => {
+                let first = vertices.len() as u32;
+                vertices.extend(part.vertices);
+                indices.extend(part.indices.iter().map(|index| first + index));
+            }
+        }
     }
-    for part in parts.into_iter().flatten() {
-        let first = vertices.len() as u32;
-        vertices.extend(part.vertices);
-        indices.extend(part.indices.iter().map(|index| first + index));
-    }
+    starts.push(indices.len() as u32);
     Some(Divided {
         vertices,
         indices,
+        starts,
         bow_px,
     })
 }
@@ -135,8 +147,9 @@ impl Divider<'_> {
     /// The pieces of a triangle; none where it stays whole.
     fn triangle(&self, made: &Triangles, seen: &[Sighted], corners: &[u32]) -> Option<Pieces> {
         let [a, b, c] = [corners[0], corners[1], corners[2]].map(|i| i as usize);
-        let cut = self.crosses([a, b, c].map(|i| made.vertices[i].position[2]));
-        if !cut
+        let z = [a, b, c].map(|i| made.vertices[i].position[2]);
+        if !self.crosses(z)
+            && !self.torn(z)
             && ![(a, b), (b, c), (c, a)]
                 .iter()
                 .any(|&(i, j)| self.bows(&seen[i], &seen[j]))
@@ -173,6 +186,14 @@ impl Divider<'_> {
         z.iter().any(|&z| z < level) && z.iter().any(|&z| z > level)
     }
 
+    /// Whether a triangle that stands on the plane would be drawn torn: to an eye below, what lies in
+    /// the plane appears in it, but what stands beyond the critical distance, however little above it,
+    /// at the rim of Snell's window. What is drawn between the two is no higher than nothing.
+    fn torn(&self, z: [f32; 3]) -> bool {
+        let level = self.sight.level();
+        !self.sight.eye_above() && z.contains(&level) && z.iter().any(|&z| z > level)
+    }
+
     fn bows(&self, a: &Sighted, b: &Sighted) -> bool {
         let px = self.bow_px;
         px.is_finite() && self.sight.bow_bound(a, b) > px && self.sight.bow(a, b) > px
@@ -196,7 +217,9 @@ struct Workshop<'a> {
 impl Workshop<'_> {
     fn cut_and_divide(&mut self) {
         let mut waiting: Vec<([u32; 3], u32)> = Vec::new();
+        let mut lifted = HashMap::new();
         for piece in self.cut() {
+            let piece = self.lifted(piece, &mut lifted);
             let z = piece.map(|i| self.vertices[i as usize].position[2]);
             if self.divider.band.is_far(z, self.divider.sight.eye_above()) {
                 waiting.push((piece, 0));
@@ -220,6 +243,26 @@ impl Workshop<'_> {
                 waiting.extend(pieces.into_iter().map(|piece| (piece, depth + 1)));
             }
         }
+    }
+
+    /// The same with its feet a little above the plane, where it would be drawn torn.
+    fn lifted(&mut self, piece: [u32; 3], known: &mut HashMap<u32, u32>) -> [u32; 3] {
+        let level = self.divider.sight.level();
+        let z = piece.map(|i| self.vertices[i as usize].position[2]);
+        if !self.divider.torn(z) {
+            return piece;
+        }
+        piece.map(|i| {
+            let vertex = self.vertices[i as usize];
+            let [x, y, z] = vertex.position;
+            if z != level {
+                return i;
+            }
+            *known.entry(i).or_insert_with(|| {
+                let position = [x, y, level + LIFT * level.abs().max(1.0)];
+                self.push(Vertex { position, ..vertex })
+            })
+        })
     }
 
     /// The first three vertices as a triangle, cut at the rest plane: wholly on one side each.

@@ -1,5 +1,6 @@
 use super::*;
 use crate::sight::tests::sight;
+use meniscus_pipeline::Geometry;
 use meniscus_scene::{Mesh, Triangle};
 use std::collections::BTreeMap;
 
@@ -73,11 +74,17 @@ fn volume(t: &[Vertex; 3]) -> f64 {
 }
 
 /// Every edge is passed as often one way as the other: nothing is open, no corner lies on an edge.
-fn assert_closed(divided: &Divided) {
+/// Where it is `torn` along the plane, edges there are left out.
+fn assert_closed(divided: &Divided, torn: bool) {
     let mut passes: BTreeMap<[Bits; 2], i32> = BTreeMap::new();
     for triangle in corners(divided) {
-        let at = triangle.map(|v| bits(v.position));
-        for (a, b) in [(at[0], at[1]), (at[1], at[2]), (at[2], at[0])] {
+        let ends = [(0, 1), (1, 2), (2, 0)];
+        let along = |i: usize| triangle[i].position[2].abs() <= LIFT;
+        for (i, j) in ends
+            .into_iter()
+            .filter(|&(i, j)| !(torn && along(i) && along(j)))
+        {
+            let [a, b] = [i, j].map(|i| bits(triangle[i].position));
             *passes.entry([a.min(b), a.max(b)]).or_default() += if a < b { 1 } else { -1 };
         }
     }
@@ -94,7 +101,7 @@ fn closed_meshes_stay_closed_and_keep_area_volume_and_attributes() {
         let mesh = straddling();
         let (made, divided) = all_of(&mesh, &sight(height, 1.333), bow_px, usize::MAX);
         let divided = divided.unwrap();
-        assert_closed(&divided);
+        assert_closed(&divided, height < 0.0);
         let mut areas = [DVec3::ZERO; 6];
         let mut whole = 0.0;
         for piece in corners(&divided) {
@@ -121,6 +128,35 @@ fn closed_meshes_stay_closed_and_keep_area_volume_and_attributes() {
         }
         assert_eq!(bow_px, divided.bow_px);
     }
+}
+
+#[test]
+fn to_an_eye_below_nothing_above_the_water_is_drawn_outside_snells_window() {
+    let (depth, index) = (1.5, 1.333);
+    let sight = sight(-depth, index);
+    let standing = box_of(Vec3::new(-1.3, 1.1, 0.0), Vec3::new(1.7, 4.3, 0.7));
+    let mut outside_without_lifting = 0;
+    for mesh in [straddling(), standing] {
+        let (_, divided) = all_of(&mesh, &sight, 0.1, usize::MAX);
+        for piece in corners(&divided.unwrap()) {
+            if piece.iter().all(|v| v.position[2] <= 0.0) {
+                continue;
+            }
+            for vertex in piece {
+                let world = wide(vertex.position);
+                let from_eye = |p: DVec3| {
+                    let apart = (p - DVec3::new(0.0, -1.0, 0.0)).truncate().length();
+                    apart * (index * index - 1.0).sqrt() / (depth + p.z)
+                };
+                assert!(
+                    from_eye(sight.sighted(world).apparent) < 1.0 + 1e-6,
+                    "{world}"
+                );
+                outside_without_lifting += usize::from(from_eye(world.with_z(0.0)) > 1.0);
+            }
+        }
+    }
+    assert!(outside_without_lifting > 100, "{outside_without_lifting}");
 }
 
 #[test]
@@ -216,11 +252,7 @@ fn what_stands_on_the_eyes_side_alone_is_left_out() {
         for (margin, reach) in [(0.0, 0.0), (0.2, 0.7)] {
             let band = band(margin);
             let made = Triangles::new(&straddling(), band).unwrap();
-            let range = if deeper {
-                made.below.clone()
-            } else {
-                made.above.clone()
-            };
+            let range = made.range(Geometry::FarSide, deeper);
             let sight = sight(height, 1.333);
             let divided = divided(&made, range, band, &sight, 0.1, usize::MAX).unwrap();
             let z = corners(&divided).flatten().map(|v| {
@@ -247,12 +279,12 @@ fn a_short_budget_relaxes_the_bound_and_is_kept() {
     let (_, tight) = all_of(&straddling(), &sight, 0.02, budget);
     let tight = tight.unwrap();
     assert!(tight.indices.len() / 3 <= budget && tight.bow_px > 0.02);
-    assert_closed(&tight);
+    assert_closed(&tight, false);
     // What crosses the plane is cut at any price.
     let (_, none) = all_of(&straddling(), &sight, 0.02, 0);
     let none = none.unwrap();
     assert!(none.bow_px.is_infinite());
-    assert_closed(&none);
+    assert_closed(&none, false);
     for odd in [0.0, -1.0, f64::NAN] {
         let (_, odd) = all_of(&straddling(), &sight, odd, 2000);
         assert!(odd.unwrap().indices.len() / 3 <= 2000);

@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 use crate::bvh::Node;
 
 /// Children of a node at most.
-const WIDTH: usize = 4;
+pub(crate) const WIDTH: usize = 4;
 /// Boxes are widened by this part of a step, so that rounding in a shader misses none.
 const MARGIN: f64 = 1e-2;
 /// A child that is not there.
@@ -26,43 +26,58 @@ pub(crate) struct WideNode {
     pub children: [u32; WIDTH],
 }
 
-/// The wide tree of a binary one, the root first; empty for an empty one.
-pub(crate) fn widened(nodes: &[Node]) -> Vec<WideNode> {
-    let mut wide = Vec::with_capacity(nodes.len() / WIDTH + 1);
-    let Some(root) = nodes.first() else {
-        return wide;
-    };
-    wide.push(WideNode::around(&[]));
-    let mut open = vec![(0, *root)];
-    while let Some((place, node)) = open.pop() {
-        let cut = cut(nodes, node);
-        let mut made = WideNode::around(&cut);
-        for (child, inner) in made.children.iter_mut().zip(&cut) {
+/// Which nodes of the binary tree are a wide node's children; [`NO_CHILD`] where there is none.
+pub(crate) type Cut = [u32; WIDTH];
+
+/// The wide tree of a binary one, the root first, and the cuts that it was made by; empty for an
+/// empty one.
+pub(crate) fn widened(nodes: &[Node]) -> (Vec<WideNode>, Vec<Cut>) {
+    let room = nodes.len() / WIDTH + 1;
+    let (mut wide, mut cuts) = (Vec::with_capacity(room), Vec::with_capacity(room));
+    if nodes.is_empty() {
+        return (wide, cuts);
+    }
+    wide.push(WideNode::NONE);
+    cuts.push([NO_CHILD; WIDTH]);
+    let mut open = vec![(0, 0)];
+    while let Some((place, index)) = open.pop() {
+        let cut = cut(nodes, index);
+        let mut made = WideNode::refitted([NO_CHILD; WIDTH], &cut, nodes);
+        for (child, &index) in made.children.iter_mut().zip(&cut) {
+            let Some(inner) = nodes.get(index as usize) else {
+                continue;
+            };
             *child = inner.first << 3 | inner.count;
             if inner.count == 0 {
                 *child = (wide.len() as u32) << 3;
-                open.push((wide.len(), *inner));
-                wide.push(WideNode::around(&[]));
+                open.push((wide.len(), index));
+                wide.push(WideNode::NONE);
+                cuts.push([NO_CHILD; WIDTH]);
             }
         }
         wide[place] = made;
+        cuts[place] = cut;
     }
-    wide
+    (wide, cuts)
 }
 
 /// Up to four nodes that hold everything in one: the largest are opened first.
-fn cut(nodes: &[Node], node: Node) -> Vec<Node> {
-    let area = |n: &Node| {
+fn cut(nodes: &[Node], node: u32) -> Cut {
+    let area = |index: u32| {
+        let n = nodes[index as usize];
         let s = n.high.as_dvec3() - n.low.as_dvec3();
         s.x * s.y + s.y * s.z + s.z * s.x
     };
-    let mut cut = vec![node];
-    while cut.len() < WIDTH {
-        let inner = cut.iter().enumerate().filter(|(_, n)| n.count == 0);
-        let largest = inner.max_by(|a, b| area(a.1).total_cmp(&area(b.1)));
-        let Some((index, _)) = largest else { break };
-        let opened = cut.swap_remove(index).first as usize;
-        cut.extend_from_slice(&nodes[opened..opened + 2]);
+    let mut cut = [NO_CHILD; WIDTH];
+    cut[0] = node;
+    for count in 1..WIDTH {
+        let inner = (0..count).filter(|&i| nodes[cut[i] as usize].count == 0);
+        let largest = inner.max_by(|&a, &b| area(cut[a]).total_cmp(&area(cut[b])));
+        let Some(place) = largest else { break };
+        let opened = nodes[cut[place] as usize].first;
+        cut[place] = cut[count - 1];
+        cut[count - 1] = opened;
+        cut[count] = opened + 1;
     }
     cut
 }
@@ -85,18 +100,36 @@ pub(crate) fn most_waiting(wide: &[WideNode]) -> usize {
 }
 
 impl WideNode {
+    /// One without children.
+    pub const NONE: Self = Self {
+        low: Vec3::ZERO,
+        step: Vec3::ZERO,
+        lows: [u32::MAX; 3],
+        highs: [0; 3],
+        children: [NO_CHILD; WIDTH],
+    };
+
+    /// A node with these children, whose boxes are those of the cut in the binary tree.
+    pub fn refitted(children: [u32; WIDTH], cut: &Cut, nodes: &[Node]) -> Self {
+        let mut boxes = [Node::EMPTY; WIDTH];
+        let there = cut.iter().filter_map(|&index| nodes.get(index as usize));
+        let count = boxes
+            .iter_mut()
+            .zip(there)
+            .map(|(to, node)| *to = *node)
+            .count();
+        Self {
+            children,
+            ..Self::around(&boxes[..count])
+        }
+    }
+
     fn around(children: &[Node]) -> Self {
         let lowest = |low: Vec3, n: &Node| low.min(n.low);
         let highest = |high: Vec3, n: &Node| high.max(n.high);
         let low = children.iter().fold(Vec3::MAX, lowest).as_dvec3();
         let high = children.iter().fold(Vec3::MIN, highest).as_dvec3();
-        let mut node = Self {
-            low: Vec3::ZERO,
-            step: Vec3::ZERO,
-            lows: [u32::MAX; 3],
-            highs: [0; 3],
-            children: [NO_CHILD; WIDTH],
-        };
+        let mut node = Self::NONE;
         if children.is_empty() {
             return node;
         }
@@ -129,18 +162,20 @@ impl WideNode {
 pub(crate) mod tests {
     use super::*;
 
-    /// The box of a child in single precision, as shaders make it.
-    fn box_of(node: &WideNode, child: usize) -> [Vec3; 2] {
-        let byte = |words: [u32; 3]| {
-            let part = |word: u32| (word >> (8 * child) & 255) as f32;
-            Vec3::new(part(words[0]), part(words[1]), part(words[2]))
-        };
-        [byte(node.lows), byte(node.highs)].map(|at| node.low + at * node.step)
+    impl WideNode {
+        /// The box of a child in single precision, as shaders make it.
+        pub(crate) fn box_of(&self, child: usize) -> [Vec3; 2] {
+            let byte = |words: [u32; 3]| {
+                let part = |word: u32| (word >> (8 * child) & 255) as f32;
+                Vec3::new(part(words[0]), part(words[1]), part(words[2]))
+            };
+            [byte(self.lows), byte(self.highs)].map(|at| self.low + at * self.step)
+        }
     }
 
     /// That every leaf of a binary tree is in the wide one once, inside all boxes above it.
     pub(crate) fn check(nodes: &[Node]) {
-        let wide = widened(nodes);
+        let (wide, _) = widened(nodes);
         assert_eq!(wide.is_empty(), nodes.is_empty());
         let leaf = |n: &&Node| n.count > 0;
         let mut leaves: Vec<(u32, &Node)> = nodes
@@ -162,7 +197,7 @@ pub(crate) mod tests {
                     continue;
                 }
                 let mut above: Vec<[Vec3; 2]> = above.clone();
-                above.push(box_of(node, child));
+                above.push(node.box_of(child));
                 if key & 7 == 0 {
                     open.push(((key >> 3) as usize, above));
                     continue;

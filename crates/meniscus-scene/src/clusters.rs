@@ -1,9 +1,10 @@
 //! A scene's triangles in an order in which each side of the water is one range and neighbours
 //! stand near each other, and runs of them with boxes around them.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use crate::{Mesh, Scene, Triangle, WaterGeometry};
 
@@ -112,7 +113,8 @@ impl Cluster {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Clusters {
     /// Numbers of the mesh's triangles: those above the water, those that may have parts on both
-    /// sides, those below; of each, neighbours follow each other.
+    /// sides, those below; of each, neighbouring objects follow each other, and in an object
+    /// neighbouring triangles.
     pub order: Vec<u32>,
     /// Runs of them, in order, none of them over more than one side.
     pub clusters: Vec<Cluster>,
@@ -126,21 +128,17 @@ impl Clusters {
     /// Orders the triangles of a mesh. Those with a corner that is missing or not finite have boxes
     /// that are not finite.
     pub fn new(mesh: &Mesh, band: WaterBand) -> Self {
-        let (low, high) = mesh
-            .positions
-            .iter()
-            .filter(|position| position.is_finite())
-            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), at| {
-                (low.min(*at), high.max(*at))
-            });
-        let extent = f64::from((high - low).max_element());
+        let objects = objects(mesh);
+        let scene = objects.values().copied().reduce(around).unwrap_or_default();
+        let extent = (scene.1 - scene.0).max_element();
         let placed = |(number, triangle): (u32, &Triangle)| {
             let corners = corners(mesh, triangle);
             let side = band.side(corners.map(|corner| corner.z as f32));
-            let (least, most) = bounds(corners);
-            let large = (most - least).max_element() > LARGE * extent;
-            let middle = (0.5 * (least + most) - low.as_dvec3()) / extent;
-            (side, large, curve(middle), number)
+            let (low, high) = bounds(corners);
+            let large = (high - low).max_element() > LARGE * extent;
+            let object = objects.get(&triangle.object).copied().unwrap_or(scene);
+            let place = (within(object, scene), triangle.object);
+            (side, large, place, within((low, high), object), number)
         };
         let mut all: Vec<_> = (0..).zip(&mesh.triangles).map(placed).collect();
         all.sort_unstable();
@@ -183,8 +181,34 @@ fn corners(mesh: &Mesh, triangle: &Triangle) -> [DVec3; 3] {
     }
 }
 
-fn bounds([a, b, c]: [DVec3; 3]) -> (DVec3, DVec3) {
+/// A low and a high corner.
+type Bounds = (DVec3, DVec3);
+
+fn bounds([a, b, c]: [DVec3; 3]) -> Bounds {
     (a.min(b).min(c), a.max(b).max(c))
+}
+
+fn around((low, high): Bounds, (a, b): Bounds) -> Bounds {
+    (low.min(a), high.max(b))
+}
+
+/// Boxes around objects, without what is not finite.
+fn objects(mesh: &Mesh) -> BTreeMap<u32, Bounds> {
+    let mut objects: BTreeMap<u32, Bounds> = BTreeMap::new();
+    for triangle in &mesh.triangles {
+        let bounds = bounds(corners(mesh, triangle));
+        if (bounds.1 - bounds.0).is_finite() {
+            let of = objects.entry(triangle.object).or_insert(bounds);
+            *of = around(*of, bounds);
+        }
+    }
+    objects
+}
+
+/// How far along a curve through an outer box the middle of an inner one stands.
+fn within(inner: Bounds, outer: Bounds) -> u64 {
+    let extent = (outer.1 - outer.0).max_element();
+    curve((0.5 * (inner.0 + inner.1) - outer.0) / extent)
 }
 
 /// How far along a Hilbert curve through the unit cube a point stands (Skilling 2004, Programming the
@@ -221,6 +245,7 @@ fn curve(point: DVec3) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
 
     /// A square of cells at a height, each of two triangles, that share their corners.
     fn grid(cells: u32, height: f32) -> Mesh {

@@ -123,7 +123,7 @@ impl DistanceField {
 
 /// How many voxels a pass asks for: the number of that name, the largest where several fillings
 /// have one.
-pub(crate) fn voxels_asked(pass: &PlannedPass) -> u32 {
+pub fn voxels_asked(pass: &PlannedPass) -> u32 {
     let overrides = pass.shader.overrides.iter();
     let asked = overrides.filter(|(path, _)| path.rsplit('.').next() == Some(VOXELS_NUMBER));
     let number = |name: &String| {

@@ -4,6 +4,7 @@ mod build;
 mod drawing;
 mod failing;
 mod live;
+mod moving;
 mod passes;
 mod skipping;
 mod timing;
