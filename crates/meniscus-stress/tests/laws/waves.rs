@@ -153,15 +153,12 @@ fn waves_without_height_are_the_rest_plane() {
             assert!((points[lane] - right).length() < 4e-7 * (4.0 + way));
             assert_eq!(points[lane].z, 0.0);
         }
-        let (_, _, again) = meetings(&call("water/leaves_waves", "leave"));
-        // Origins are off the plane; those on it never meet it again.
-        let lab = lab("water/leaves_waves").water(1.333, above);
-        let mut flat = Lab { ..lab };
-        set_waves(&mut flat.host, 0.0);
+        // A ray that starts on the plane never meets it again.
+        let mut again = lab("water/leaves_waves").water(1.333, above);
+        set_waves(&mut again.host, 0.0);
         let on: Vec<DVec3> = origin.iter().map(|o| DVec3::new(o.x, o.y, 0.0)).collect();
-        let (_, _, never) = meetings(&flat.call("leave", &[ray(&on, &direction)]));
-        assert!(!never.contains(&true));
-        assert_eq!(again.len(), LANES);
+        let (_, _, met) = meetings(&again.call("leave", &[ray(&on, &direction)]));
+        assert!(!met.contains(&true));
     }
 }
 
