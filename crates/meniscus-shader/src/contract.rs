@@ -61,7 +61,8 @@ impl<'l> Resolver<'l, '_> {
                         wanted.name
                     ))
                     .at(&provides.place, format!("`{}` is missing", wanted.name))
-                    .see(&signature::place_of(slot, wanted), "the slot's signature"),
+                    .see(&signature::place_of(slot, wanted), "the slot's signature")
+                    .with_help(format!("declare `{}`", signature::written(slot, wanted))),
                 ),
             };
             if let Some(wrong) = wrong {
@@ -124,8 +125,11 @@ impl<'l> Resolver<'l, '_> {
                 if let Some(place) = &resource.place {
                     unknown = unknown.at(place, "connected to nothing");
                 }
-                self.report
-                    .add(unknown.with_suggestion(name, known.iter().copied()));
+                let unknown = unknown.with_suggestion(name, known.iter().copied());
+                self.report.add(match known.is_empty() {
+                    true => unknown.with_help("it reads no texture or buffer: leave `reads` out"),
+                    false => unknown,
+                });
             }
         }
     }

@@ -81,7 +81,25 @@ fn function<'m>(skeleton: &'m Module, name: &str) -> Result<Signature<'m>, Repor
             result,
             item,
         }),
-        _ => Err(wrong(skeleton, &format!("it has no function `{name}`"))),
+        _ => {
+            let report = wrong(skeleton, &format!("it has no function `{name}`"));
+            let missing = report.0.into_iter().map(|d| match signature_of(name) {
+                Some(signature) => d.with_help(format!("declare `{signature}`")),
+                None => d,
+            });
+            Err(Report(missing.collect()))
+        }
+    }
+}
+
+/// How the function of a stage is declared.
+fn signature_of(name: &str) -> Option<&'static str> {
+    match name {
+        "vertex" => Some("fn vertex(position: vec3f) -> Varying"),
+        "fragment" => Some("fn fragment(v: Varying) -> State"),
+        "screen" => Some("fn screen(pixel: vec2f) -> State"),
+        "compute" => Some("fn compute(thread: vec3u)"),
+        _ => None,
     }
 }
 
@@ -99,7 +117,9 @@ fn check_state(skeleton: &Module, stage: &Signature, recipe: &Recipe) -> Result<
         return Err(wrong_function(
             skeleton,
             stage,
-            format!("`{name}` must return what the outputs are made of"),
+            format!(
+                "`{name}` must return what the outputs are made of: a value or a struct, which each `write_NAME` takes"
+            ),
         ));
     }
     let mut report = Report::default();

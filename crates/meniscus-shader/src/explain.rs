@@ -65,6 +65,9 @@ pub(crate) fn explain(
             diagnostic = diagnostic.with_help(format!("it shows at `{}`", one_line(&say(text))));
         }
     }
+    if message.contains("found the end") {
+        diagnostic = diagnostic.with_help("a bracket that is opened before is never closed");
+    }
     for note in notes {
         diagnostic = diagnostic.with_help(say(note));
     }
@@ -90,7 +93,9 @@ pub(crate) fn explain(
                 )),
                 Some(user) => match meniscus_source::did_you_mean(&word, visible(library, user)) {
                     Some(near) => diagnostic.with_help(format!("did you mean `{near}`?")),
-                    None => diagnostic,
+                    None => diagnostic.with_help(format!(
+                        "declare `{word}` here or in a module that this one needs"
+                    )),
                 },
                 None => diagnostic,
             };

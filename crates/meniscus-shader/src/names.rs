@@ -14,7 +14,7 @@ use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 use crate::instance::{Instance, Instances};
 use crate::library::Module;
 use crate::numbers::LIVE_NUMBERS;
-use crate::outline::{Item, ItemKind, Outline, Spelling};
+use crate::outline::{Item, ItemKind, Outline};
 use crate::predeclared::{is_entry, is_predeclared};
 
 /// The names of one instance: what it writes → what stands in the shader.
@@ -267,30 +267,34 @@ fn same_items<'i>(
     imported: &Names,
     own: &HashMap<&str, Rc<str>>,
 ) -> HashSet<&'i str> {
-    let outline = &instance.module.outline;
+    let items = &instance.module.outline.items;
     let text = &instance.module.file.text;
-    let mut same: HashSet<&str> = outline
-        .items
-        .iter()
-        .map(|item| item.name.as_str())
-        .collect();
-    loop {
-        let before = same.len();
-        for item in &outline.items {
-            let differs =
-                |(word, _): (&str, Spelling)| match (own.get(word), instance.module.item(word)) {
-                    (Some(name), _) => other.get(word) != Some(name),
-                    (None, Some(_)) => !same.contains(word),
-                    (None, None) => other.get(word) != imported.get(word),
-                };
-            if same.contains(item.name.as_str()) && Outline::spelt(text, item).any(differs) {
-                same.remove(item.name.as_str());
+    let mut same: HashSet<&str> = items.iter().map(|item| item.name.as_str()).collect();
+    // Which items mention an item of the module whose name is still open, and which differ of
+    // themselves.
+    let mut users: HashMap<&str, Vec<&str>> = HashMap::default();
+    let mut differing = Vec::new();
+    for item in items {
+        for (word, _) in Outline::spelt(text, item) {
+            let differs = match own.get(word) {
+                Some(name) => other.get(word) != Some(name),
+                None if same.contains(word) => {
+                    users.entry(word).or_default().push(&item.name);
+                    false
+                }
+                None => other.get(word) != imported.get(word),
+            };
+            if differs {
+                differing.push(item.name.as_str());
             }
         }
-        if same.len() == before {
-            return same;
+    }
+    while let Some(name) = differing.pop() {
+        if same.remove(name) {
+            differing.extend(users.remove(name).into_iter().flatten());
         }
     }
+    same
 }
 
 /// A resource's name as a part of an identifier.

@@ -51,7 +51,7 @@ pub(crate) struct Spelling {
     /// Where it stands first; see [`MAX_LENGTH`].
     start: u32,
     end: u32,
-    /// Whether an opening bracket follows some of them: a function is mentioned in no other way.
+    /// Whether an opening bracket follows some of them, as where a function is meant.
     pub called: bool,
 }
 

@@ -57,6 +57,11 @@ pub(crate) fn place_of(module: &Module, item: &Item) -> Place {
     module.place(item.range.start..item.range.start + length)
 }
 
+/// A function's signature, on one line.
+pub(crate) fn written(module: &Module, item: &Item) -> String {
+    one_line(place_of(module, item).text())
+}
+
 /// A text on one line.
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")

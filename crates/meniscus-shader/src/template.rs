@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use meniscus_source::{Diagnostic, Report, SourceFile};
+use rustc_hash::FxHashSet;
 
 use crate::compose::Composer;
 use crate::library::{Library, Module, Role};
@@ -40,12 +41,11 @@ impl Library {
     /// slots that it calls.
     pub fn calls(&self, module: &Module, slot: &str) -> bool {
         let mut waiting = vec![module];
-        let mut seen: Vec<&str> = Vec::new();
+        let mut seen = FxHashSet::default();
         while let Some(module) = waiting.pop() {
-            if seen.contains(&module.path.as_str()) {
+            if !seen.insert(module.path.as_str()) {
                 continue;
             }
-            seen.push(&module.path);
             for used in &module.header.slots {
                 if used.slot.text == slot && used.name.text == slot {
                     return true;

@@ -96,7 +96,7 @@ impl<'l> Resolver<'l, '_> {
                 {
                     unused = unused.at(place, "a filling without effect");
                 }
-                report.add(unused);
+                report.add(unused.with_help("leave it out, or fill a slot that is called"));
             }
         }
         report

@@ -19,6 +19,8 @@ pub(super) struct Part<'p> {
 pub(super) struct Named<'p> {
     pub name: &'p str,
     pub item: &'p Item,
+    module: &'p Module,
+    names: &'p Names,
     /// Whether a word of it has another name in the shader.
     pub renamed: bool,
     /// The shader's names it mentions.
@@ -82,6 +84,8 @@ fn named<'p>(module: &'p Module, item: &'p Item, names: &'p Names) -> Named<'p> 
     let mut named = Named {
         name: &names[item.name.as_str()],
         item,
+        module,
+        names,
         renamed: false,
         mentions: Vec::with_capacity(item.spellings.len()),
         others: Vec::new(),
@@ -177,26 +181,43 @@ fn redefinition(module: &Module, item: &Item, other: &Module, first: &Item) -> D
 }
 
 /// The names that are reached from the open ones.
-pub(super) fn reach<'p>(all: &[Part<'p>], mut open: Vec<Mention<'p>>) -> HashSet<&'p str> {
+pub(super) fn reach<'p>(all: &[Part<'p>], open: Vec<Mention<'p>>) -> HashSet<&'p str> {
     let items = || all.iter().flat_map(|part| &part.items);
     let mut known: HashMap<&str, &Named> =
         HashMap::with_capacity_and_hasher(items().count(), Default::default());
     for named in items() {
         known.entry(named.name).or_insert(named);
-        if named.item.kind == ItemKind::Assertion {
-            open.push((named.name, false));
-        }
     }
+    let is_function = |name: &str| {
+        let named = known.get(name);
+        named.is_some_and(|named| matches!(named.item.kind, ItemKind::Function { .. }))
+    };
+    // A name that is not called is no function's in the entry points, and elsewhere none where a
+    // local variable has it.
+    let meant = |(name, called): &Mention<'p>| (*called || !is_function(name)).then_some(*name);
+    let mut waiting: Vec<&str> = open.iter().filter_map(meant).collect();
+    let assertions = items().filter(|named| named.item.kind == ItemKind::Assertion);
+    waiting.extend(assertions.map(|named| named.name));
     let mut reached = HashSet::default();
-    while let Some((name, called)) = open.pop() {
-        // A function is reached where it is called: otherwise a local variable has its name.
-        let is_reached =
-            |named: &&&Named| called || !matches!(named.item.kind, ItemKind::Function { .. });
-        if let Some(named) = known.get(name).filter(is_reached)
+    while let Some(name) = waiting.pop() {
+        if let Some(named) = known.get(name)
             && reached.insert(name)
         {
-            open.extend(&named.mentions);
+            for mention in &named.mentions {
+                if meant(mention).is_some() || !named.has_local(mention.0) {
+                    waiting.push(mention.0);
+                }
+            }
         }
     }
     reached
+}
+
+impl Named<'_> {
+    /// Whether a word that has a name in the shader is a local variable's or a parameter's.
+    fn has_local(&self, name: &str) -> bool {
+        let Self { module, names, .. } = self;
+        let mut locals = module.outline.locals(&module.file.text, self.item);
+        locals.any(|local| names.get(local).is_some_and(|named| **named == *name))
+    }
 }
