@@ -3,8 +3,7 @@
 //!
 //! A [`Project`] holds modules, pipelines and scenes, the built-in ones and those of directories.
 //! [`Picture`] renders one pipeline, a [`Sequence`] one at several moments, an [`Ablation`] several beside
-//! ray-traced truth. The parts are
-//! crates of their own and re-exported here.
+//! ray-traced truth. The parts are crates of their own and re-exported here.
 
 mod ablation;
 mod costs;

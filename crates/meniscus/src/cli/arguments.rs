@@ -70,9 +70,9 @@ impl Arguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// List modules, slots, pipelines and scenes, each with its purpose.
-    List(List),
+    List(super::list::List),
     /// Compose and validate every shader of every pipeline, and every module, without a GPU.
-    Check(Check),
+    Check(super::check::Check),
     /// Print what a pass is composed to: WGSL, SPIR-V, HLSL, MSL or GLSL.
     Compose(super::compose::Compose),
     /// Say in words how a pipeline differs from another.
@@ -104,7 +104,7 @@ pub(crate) enum Command {
     /// Ends with 0 when the measure is within the limit or none is given, with 1 beyond it, and with
     /// 2 when the pictures cannot be compared.
     #[command(after_help = super::compare::measures())]
-    Compare(Compare),
+    Compare(super::compare::Compare),
     /// Run one function of a module on given numbers, on the CPU or a GPU.
     Eval(Eval),
     /// Hunt the inputs on which modules are worst, on the CPU and the GPU, and tell how exact they are.
@@ -117,32 +117,6 @@ pub(crate) enum Command {
     Schema(super::schema::Schema),
     /// List the graphics adapters of this machine.
     Adapters,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct List {
-    /// What to list; all but settings if nothing is said.
-    pub what: Vec<Listed>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Listed {
-    /// What modules can fill in a pass.
-    Slots,
-    /// WGSL files.
-    Modules,
-    /// What can be rendered.
-    Pipelines,
-    /// What can be looked at.
-    Scenes,
-    /// What `--set` can change, with units and ranges.
-    Settings,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct Check {
-    /// Pipelines by name or file, `refraction/*` for many; all that are known if none is given.
-    pub pipelines: Vec<String>,
 }
 
 /// Changes to pipelines.
@@ -226,23 +200,6 @@ pub(crate) struct Ablate {
     /// them.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct Compare {
-    /// The picture that is right.
-    pub reference: PathBuf,
-    /// The picture that is judged.
-    pub test: PathBuf,
-    /// The measure, of those listed below.
-    #[arg(long, value_name = "NAME", default_value = "flip")]
-    pub metric: String,
-    /// Write the error of each pixel as a picture in false colours.
-    #[arg(long, value_name = "FILE.png")]
-    pub map: Option<PathBuf>,
-    /// The worst value that is good enough.
-    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
-    pub limit: Option<f64>,
 }
 
 /// What modules read from their surroundings.

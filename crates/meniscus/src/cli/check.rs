@@ -1,12 +1,18 @@
 //! `meniscus check`
 
+use clap::Args;
 use meniscus::Project;
 use meniscus::pipeline::{Facts, Plan, Pruning, check_facts};
 use meniscus::source::Diagnostic;
 
 use super::Failure;
-use super::arguments::Check;
 use super::say::{say, tell};
+
+#[derive(Debug, Args)]
+pub(crate) struct Check {
+    /// Pipelines by name or file, `refraction/*` for many; all that are known if none is given.
+    pub pipelines: Vec<String>,
+}
 
 pub(crate) fn check(project: &Project, check: &Check) -> Result<(), Failure> {
     let names = match check.pipelines.is_empty() {

@@ -1,10 +1,29 @@
 //! `meniscus compare`
 
+use std::path::PathBuf;
+
+use clap::Args;
 use meniscus::measure::{Better, Image, METRICS, MeasureError, Metric, metric, write_png};
 
 use super::Failure;
-use super::arguments::Compare;
 use super::say::say;
+
+#[derive(Debug, Args)]
+pub(crate) struct Compare {
+    /// The picture that is right.
+    pub reference: PathBuf,
+    /// The picture that is judged.
+    pub test: PathBuf,
+    /// The measure, of those listed below.
+    #[arg(long, value_name = "NAME", default_value = "flip")]
+    pub metric: String,
+    /// Write the error of each pixel as a picture in false colours.
+    #[arg(long, value_name = "FILE.png")]
+    pub map: Option<PathBuf>,
+    /// The worst value that is good enough.
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    pub limit: Option<f64>,
+}
 
 pub(crate) fn run(compare: &Compare) -> Result<(), Failure> {
     if let Some(limit) = compare.limit

@@ -1,12 +1,32 @@
 //! `meniscus list`
 
+use clap::{Args, ValueEnum};
 use meniscus::Project;
 use meniscus::scene::keys;
 use meniscus::shader::Role;
 
 use super::Failure;
-use super::arguments::{List, Listed};
 use super::say::say;
+
+#[derive(Debug, Args)]
+pub(crate) struct List {
+    /// What to list; all but settings if nothing is said.
+    pub what: Vec<Listed>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Listed {
+    /// What modules can fill in a pass.
+    Slots,
+    /// WGSL files.
+    Modules,
+    /// What can be rendered.
+    Pipelines,
+    /// What can be looked at.
+    Scenes,
+    /// What `--set` can change, with units and ranges.
+    Settings,
+}
 
 pub(crate) fn run(project: &Project, list: &List) -> Result<(), Failure> {
     let wanted = |what: Listed| match list.what.is_empty() {
