@@ -17,7 +17,8 @@ const MARGIN_PX: f64 = 1.0;
 /// How far, in radians, rays may be off in single precision.
 const ROUNDING: f64 = 1e-5;
 
-/// Boxes around a scene's objects: made once, asked for each frame.
+/// Boxes around a scene's objects: made once, or for each moment where objects move, and asked for
+/// each frame.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SceneBounds(Vec<Bounds>);
 

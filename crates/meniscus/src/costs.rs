@@ -1,16 +1,21 @@
 //! What frames take beside time: memory, uploads, preparation.
 
-use meniscus_gpu::{Counters as Counted, Preprocessing, SceneBuffers};
-use meniscus_measure::Counters;
+use meniscus_gpu::{Counters as Counted, Moved, Preprocessing, SceneBuffers, field_voxels};
+use meniscus_measure::{Counters, median};
 use meniscus_pipeline::{Geometry, PassKind, Plan};
 use serde_json::{Map, Value, json};
 
 /// What was made of a scene before the first frame, and its bytes, for the results.
 pub(crate) fn of_scene(scene: &SceneBuffers) -> Map<String, Value> {
     let mut preprocessing = Map::new();
-    for made in scene.preprocessing() {
-        preprocessing.insert(format!("{}_ms", made.name), json!(made.ms));
-        preprocessing.insert(format!("{}_bytes", made.name), json!(made.bytes));
+    // Of some there are several, with other numbers of voxels: together they are what was made.
+    let all = scene.preprocessing();
+    for name in all.iter().map(|made| made.name) {
+        let same = || all.iter().filter(|made| made.name == name);
+        let ms: f64 = same().map(|made| made.ms).sum();
+        let bytes: u64 = same().map(|made| made.bytes).sum();
+        preprocessing.insert(format!("{name}_ms"), json!(ms));
+        preprocessing.insert(format!("{name}_bytes"), json!(bytes));
     }
     let mut more = Map::new();
     more.insert("preprocessing".to_owned(), Value::Object(preprocessing));
@@ -26,7 +31,14 @@ fn uses(plan: &Plan, made: &Preprocessing) -> bool {
     };
     match made.name {
         "bvh" => reads(&|array| array == "triangles" || array.starts_with("bvh")),
-        "distance_field" => reads(&|array| array.starts_with("distance_")),
+        "distance_field" => {
+            let mut passes = plan.passes.iter();
+            passes.any(|pass| {
+                let mut bindings = pass.shader.bindings.iter();
+                let field = bindings.any(|b| b.resource.starts_with("distance_"));
+                field && made.voxels == Some(field_voxels(pass))
+            })
+        }
         "far_side" => {
             let far = PassKind::Draw(Geometry::FarSide);
             plan.passes.iter().any(|pass| pass.kind == far)
@@ -46,6 +58,18 @@ pub(crate) fn of_plan(plan: &Plan, scene: &SceneBuffers) -> (u64, f64) {
         }
     }
     (bytes, ms)
+}
+
+/// What it takes to follow what moves, for the results: medians; none where nothing does.
+pub(crate) fn of_updates(updates: &[Moved]) -> Option<Value> {
+    let last = updates.last().filter(|last| last.objects > 0)?;
+    let ms = |of: fn(&Moved) -> f64| median(&updates.iter().map(of).collect::<Vec<_>>());
+    Some(json!({
+        "objects": last.objects,
+        "bytes": last.bytes,
+        "ms": ms(|moved| moved.ms),
+        "tree_ms": ms(|moved| moved.tree_ms),
+    }))
 }
 
 /// Counters for the results. `scene_bytes`: see [`of_plan`].

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::facts::facts_of;
 
-/// A scene whose water moves.
+/// A scene whose water moves, and whose objects may.
 pub(crate) struct Moments {
     scene: Scene,
     times: Vec<f64>,
@@ -36,6 +36,13 @@ impl Moments {
             let time = moments.times[index];
             if !time.is_finite() {
                 return Err(Diagnostic::error(format!("{time} s is no moment")).into());
+            }
+            if let Some(lost) = scene.lost_at(time) {
+                let name = scene.objects.get(lost as usize).map_or("", |o| &o.name);
+                let message = format!("at {time} s `{name}` is more than 1000 km away");
+                let help =
+                    "choose moments nearer to 0 s, at which objects stand where they are placed";
+                return Err(Diagnostic::error(message).with_help(help).into());
             }
             let there = facts_of(moments.at(index), size);
             if there != *facts {
@@ -65,16 +72,20 @@ impl Moments {
 
     /// The scene at the moment of an index, counted round and round.
     pub fn at(&mut self, index: usize) -> &Scene {
-        self.scene.water.time = self.times[index % self.times.len()];
+        self.scene.set_time(self.times[index % self.times.len()]);
         &self.scene
     }
 
     /// The scene at a moment that is none of these.
     pub fn elsewhere(&mut self) -> &Scene {
-        self.scene.water.time = self.times[0] + 1.0;
+        self.scene.set_time(self.times[0] + ELSEWHERE);
         &self.scene
     }
 }
+
+/// Seconds from the first moment to one that is none: neither waves nor what turns or heaves are
+/// likely to be back by then.
+const ELSEWHERE: f64 = 1.037;
 
 fn listed(facts: &Facts) -> String {
     let known = KNOWN_FACTS.iter().map(|(name, _)| *name);

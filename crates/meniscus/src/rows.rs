@@ -1,5 +1,7 @@
 //! The row of a pipeline in the results: times, counts and errors.
 
+use std::time::{Duration, Instant};
+
 use meniscus_gpu::{self as gpu, FrameTiming};
 use meniscus_measure::{
     PassMs, Relative, Row, Timer, Timing, Verdict, median, relative_time, timing_warnings,
@@ -10,6 +12,11 @@ use crate::ablation::{Ablation, AblationError, RowOutcome};
 use crate::costs;
 use crate::moments::{self, Moments};
 use crate::subject::{Stage, Subject};
+
+/// How often a frame is brought to another moment and back, to see what that takes …
+const UPDATES: usize = 3;
+/// … unless it takes very long.
+const PATIENCE: Duration = Duration::from_secs(1);
 
 impl Ablation {
     /// The row of a subject, of which this was found at each moment. `timed`: the subject's index
@@ -25,9 +32,14 @@ impl Ablation {
         let own = timings.of(timed)?;
         let warnings = timing_warnings(&own);
         let relative = self.relative(&own, timings)?;
-        // Two uploads, so that the last one is of water that has moved.
-        subject.frame.update(moments.elsewhere())?;
-        subject.frame.update(moments.at(0))?;
+        // Back and forth, so that the last upload is of water and objects that have moved.
+        let (mut updates, start) = (Vec::new(), Instant::now());
+        while updates.len() < 2 * UPDATES && (updates.is_empty() || start.elapsed() < PATIENCE) {
+            subject.frame.update(moments.elsewhere())?;
+            updates.push(*subject.frame.moved());
+            subject.frame.update(moments.at(0))?;
+            updates.push(*subject.frame.moved());
+        }
         let counted = subject.frame.counters()?;
         let plan = subject.frame.plan();
         let (scene_bytes, preprocessing_ms) = costs::of_plan(plan, &stage.scene);
@@ -39,6 +51,9 @@ impl Ablation {
                 counters.more.insert(name.clone(), json!(listed));
             }
             more.insert("lists".into(), json!(list_errors(outcomes)));
+        }
+        if let Some(update) = costs::of_updates(&updates) {
+            more.insert("update".into(), update);
         }
         if !warnings.is_empty() {
             let told = warnings.iter().map(ToString::to_string);

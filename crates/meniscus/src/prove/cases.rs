@@ -32,7 +32,7 @@ pub(super) const MOMENTS: [Moment; 5] = [
     },
     Moment {
         name: "0.4 s later",
-        change: |scene| scene.water.time += 0.4,
+        change: |scene| scene.set_time(scene.water.time + 0.4),
     },
     Moment {
         name: "with another sun",
