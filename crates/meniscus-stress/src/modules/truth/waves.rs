@@ -75,8 +75,10 @@ impl Waves {
         };
         let (height, fall) = (self.side * (ray[2] - self.level), -self.side * ray[5]);
         let (enter, leave) = ((height - bound) / fall, (height + bound) / fall);
-        // Only rays that fall through the whole band are asked about; others run on for ever.
-        if !(fall > 0.0 && leave < 1e5) || gap.at(0.0).0 <= 0.0 {
+        // Only rays that fall through the whole band are asked about, and do so soon; others run on
+        // for ever.
+        let soon = fall > 0.0 && leave < 1e5 && leave - enter < 100.0;
+        if !soon || gap.at(0.0).0 <= 0.0 {
             return vec![f64::NAN; 7];
         }
         let Some(t) = gap.first(enter.max(0.0), leave) else {
