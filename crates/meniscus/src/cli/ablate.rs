@@ -12,10 +12,10 @@ use meniscus::{
 };
 use serde_json::{Map, Value, json};
 
-use super::arguments::{Ablate, check_moments, key_value};
+use super::arguments::{Ablate, check_moments};
 use super::progress::Bar;
 use super::say::{say, tell};
-use super::{Failure, outputs, sweep};
+use super::{Failure, attempts, outputs, sweep};
 
 /// What is looked at beside time and error at the scene's own moment.
 #[derive(Debug, Clone, Default, Args)]
@@ -85,8 +85,6 @@ impl Asked {
 
 /// What is run where nothing is named.
 const ALL: &str = "refraction/*";
-/// The most combinations that `--try` may make.
-const MAX_COMBINATIONS: usize = 1000;
 
 pub(crate) fn run(project: &Project, ablate: &Ablate) -> Result<(), Failure> {
     let preset = match &ablate.sweeping.preset {
@@ -165,8 +163,8 @@ pub(crate) fn prepare(project: &Project, ablate: &Ablate) -> Result<Ablation, Fa
         }
     }
     report.into_result(())?;
-    ablate.changes.apply(&mut pipelines)?;
-    let mut pipelines = combine(pipelines, &ablate.attempts)?;
+    attempts::apply(project, &ablate.changes, &mut pipelines)?;
+    let mut pipelines = attempts::combine(project, pipelines, &ablate.attempts)?;
     let without = without(project, ablate, &mut pipelines)?;
     // The baseline comes first, so that the table begins with it.
     pipelines.sort_by_key(|pipeline| !pipeline.baseline);
@@ -278,47 +276,6 @@ fn marginal(results: &Results) -> String {
     }
     text.extend(rows.iter().map(|cells| line(cells)));
     text
-}
-
-/// Every combination of the fillings that are tried, for every pipeline that has their passes.
-fn combine(pipelines: Vec<Pipeline>, attempts: &[String]) -> Result<Vec<Pipeline>, Report> {
-    let mut all = pipelines;
-    for text in attempts {
-        let (key, values) = key_value("--try", text)?;
-        let mut tried = Vec::new();
-        let mut failed = Report::default();
-        let mut changed = false;
-        for pipeline in &all {
-            for value in values.split(',') {
-                let mut attempt = pipeline.clone();
-                match attempt.set_from("--try", key, value) {
-                    Ok(()) => {
-                        attempt.baseline = false;
-                        tried.push(attempt);
-                        changed = true;
-                    }
-                    Err(wrong) => {
-                        failed.extend(wrong);
-                        // A pipeline without the pass runs once, as it is.
-                        tried.push(pipeline.clone());
-                        break;
-                    }
-                }
-            }
-        }
-        if !changed {
-            return Err(failed);
-        }
-        if tried.len() > MAX_COMBINATIONS {
-            return Err(Diagnostic::error(format!(
-                "`--try` makes {} combinations; at most {MAX_COMBINATIONS} are run",
-                tried.len()
-            ))
-            .into());
-        }
-        all = tried;
-    }
-    Ok(all)
 }
 
 fn settings(ablate: &Ablate) -> Map<String, Value> {

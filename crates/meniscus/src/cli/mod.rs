@@ -3,6 +3,7 @@
 
 mod ablate;
 mod arguments;
+mod attempts;
 mod check;
 mod compare;
 mod compose;
