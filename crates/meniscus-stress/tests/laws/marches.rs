@@ -65,7 +65,9 @@ const MARCHES: [&str; 3] = [
 fn march(module: &str) -> Lab {
     let mut choice = Choice::default();
     if module == "screen/curved_march" {
+        // As far and as near as the others go.
         choice.numbers.insert("refinements".to_owned(), 6.0);
+        choice.numbers.insert("march_steps".to_owned(), 1024.0);
     }
     Lab::with(&composer(&[]), module, &choice)
 }
