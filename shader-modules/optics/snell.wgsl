@@ -2,7 +2,6 @@
 // The tangential part of the direction times the refractive index is the same on both sides
 // (Snell's law); unit vectors, no angles.
 //
-//
 // domain: refracted(incident unit, normal unit, index 0.4 to 2.5 near sine(incident, normal)) against refraction
 
 // `direction` is zero where all light is reflected.
