@@ -295,12 +295,24 @@ impl Worst {
             let message = format!("`{}:{}` declares no domain", self.module, self.function);
             return Err(meniscus_source::Diagnostic::error(message).into());
         };
-        let judged = |kept: &WorstCase| {
+        // Hosts hold large textures: one for each water, not for each case.
+        let mut ready: Vec<((f64, bool), Prepared)> = Vec::new();
+        let mut found = Vec::new();
+        for kept in &self.cases {
             let water = (kept.refractive_index, kept.eye_above);
-            let prepared = prepare(&specimen, &function, declared, all, host, water)?;
+            let known = ready.iter().position(|(known, _)| *known == water);
+            let index = match known {
+                Some(index) => index,
+                None => {
+                    let prepared = prepare(&specimen, &function, declared, all, host, water)?;
+                    ready.push((water, prepared));
+                    ready.len() - 1
+                }
+            };
             let cases = std::slice::from_ref(&kept.case);
-            prepared.run(&specimen, &function, declared, None, |s| s.again(cases))
-        };
-        self.cases.iter().map(judged).collect()
+            let (_, prepared) = &ready[index];
+            found.push(prepared.run(&specimen, &function, declared, None, |s| s.again(cases))?);
+        }
+        Ok(found)
     }
 }
