@@ -79,9 +79,8 @@ impl Used {
         for statement in block {
             match statement {
                 Statement::Call { function, .. } => {
-                    if !std::mem::replace(&mut self.functions[function.index()], true) {
-                        waiting.push(*function);
-                    }
+                    let known = std::mem::replace(&mut self.functions[function.index()], true);
+                    waiting.extend((!known).then_some(*function));
                 }
                 Statement::Block(inner) => self.block(inner, waiting),
                 Statement::If { accept, reject, .. } => {
