@@ -230,7 +230,10 @@ fn what_is_out_of_view_is_not_drawn_and_no_bit_of_the_picture_changes() {
                     "{name}"
                 );
             }
-            assert!(4 * ours.triangles < 3 * whole.triangles, "{pipeline}: {ours:?}");
+            assert!(
+                4 * ours.triangles < 3 * whole.triangles,
+                "{pipeline}: {ours:?}"
+            );
         }
     }
 }

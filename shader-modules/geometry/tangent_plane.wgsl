@@ -59,7 +59,9 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
     if there.object >= 0.0 && is_seen(place) {
         residual = residual_px(ray, there.position) + select(0.0, OTHER_OBJECT, there.edge || there.object != near.object);
     }
-    // A curved surface has turned on the way from the one place to the other.
-    let turned = select(near.shading_normal, there.shading_normal, there.object == near.object);
+    // A curved surface has turned on the way from the one place to the other. What is seen there from the
+    // other side is another face (objects are drawn open where the water cuts them), and lit otherwise.
+    let same_side = dot(near.normal, ray.direction) * dot(there.normal, ray.direction) >= 0.0;
+    let turned = select(near.shading_normal, there.shading_normal, there.object == near.object && same_side);
     return Hit(position, near.normal, turned, near.object, place, residual, true, ray.direction);
 }

@@ -138,8 +138,8 @@ mod tests {
     #[test]
     fn the_key_names_the_library_that_is_used() {
         let lock = include_str!("../../../Cargo.lock");
-        let line = lock.lines().skip_while(|line| *line != r#"name = "wgpu""#);
-        let version = line.skip(1).next().expect("wgpu's version");
+        let mut line = lock.lines().skip_while(|line| *line != r#"name = "wgpu""#);
+        let version = line.nth(1).expect("wgpu's version");
         assert!(
             version.starts_with(&format!("version = \"{WGPU}.")),
             "{version}: name it in WGPU"

@@ -2,12 +2,15 @@
 
 use std::ops::Range;
 
+/// Ranges of indices in order, which do not overlap: a draw each.
+pub(crate) type Runs = Vec<Range<u32>>;
+
 /// The most draws that a pass's triangles are split into.
 const MOST: usize = 64;
 
 /// Joins ranges, which are in order and do not overlap, where nothing lies between them; and where
 /// little does, if there would be too many otherwise.
-pub(crate) fn joined(ranges: impl Iterator<Item = Range<u32>>) -> Vec<Range<u32>> {
+pub(crate) fn joined(ranges: impl Iterator<Item = Range<u32>>) -> Runs {
     let apart = across(ranges.filter(|range| !range.is_empty()), 0);
     if apart.len() <= MOST {
         return apart;
@@ -19,8 +22,8 @@ pub(crate) fn joined(ranges: impl Iterator<Item = Range<u32>>) -> Vec<Range<u32>
 }
 
 /// Joins those between which so many indices lie, or fewer.
-fn across(ranges: impl Iterator<Item = Range<u32>>, gap: u32) -> Vec<Range<u32>> {
-    let mut joined: Vec<Range<u32>> = Vec::new();
+fn across(ranges: impl Iterator<Item = Range<u32>>, gap: u32) -> Runs {
+    let mut joined: Runs = Vec::new();
     for range in ranges {
         match joined.last_mut() {
             Some(last) if range.start - last.end <= gap => last.end = range.end,
@@ -38,7 +41,7 @@ mod tests {
     fn what_lies_together_is_one_draw_and_nothing_is_none() {
         let of = |ranges: &[Range<u32>]| joined(ranges.iter().cloned());
         assert_eq!(of(&[0..3, 3..9, 9..9, 12..15]), [0..9, 12..15]);
-        assert!(of(&[]).is_empty() && of(&[6..6]).is_empty());
+        assert!(of(&[]).is_empty() && of(&[6..6, 9..9]).is_empty());
     }
 
     #[test]
@@ -63,6 +66,6 @@ mod tests {
             assert_eq!(made.last(), ranges.last());
         }
         let even = joined((0..500).map(|i| 10 * i..10 * i + 3));
-        assert_eq!(even, [0..4993]);
+        assert!(even.len() == 1 && even[0] == (0..4993), "{even:?}");
     }
 }

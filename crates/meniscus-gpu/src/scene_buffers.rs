@@ -13,10 +13,11 @@ use crate::bodies::{self, Bodies, Versions};
 use crate::geometry::{Triangles, Vertex};
 use crate::host_scene::HostScene;
 use crate::moving::Reads;
+use crate::runs::{self, Runs};
 use crate::scene_arrays::SceneArrays;
 use crate::sight::Sight;
 use crate::subdivide::{self, BOW_PX};
-use crate::{Gpu, GpuError, moving, runs};
+use crate::{Gpu, GpuError, moving};
 
 /// A scene on the GPU: its triangles are uploaded once, in an order in which either side of the
 /// water is one range of them. What flat water bends is divided as each camera and picture size
@@ -305,7 +306,7 @@ impl SceneBuffers {
         geometry: Geometry,
         sight: &Sight,
         cull: Option<&Cull>,
-    ) -> Result<Option<(GeometryBuffers, Vec<Range<u32>>)>, GpuError> {
+    ) -> Result<Option<(GeometryBuffers, Runs)>, GpuError> {
         let range = self.made.range(geometry, sight.eye_above());
         let Some(whole) = self.geometry.as_ref().filter(|_| !range.is_empty()) else {
             return Ok(None);
@@ -319,7 +320,7 @@ impl SceneBuffers {
             let buffers = far.divided.as_ref()?;
             Some((buffers, far.starts.windows(2).map(|ends| ends[0]..ends[1])))
         });
-        let (buffers, ranges): (_, Vec<Range<u32>>) = match divided {
+        let (buffers, ranges): (_, Runs) = match divided {
             Some((buffers, ranges)) => (buffers, ranges.collect()),
             None => {
                 let ranges = clusters.iter().map(|c| &c.triangles);

@@ -1,7 +1,6 @@
 //! A plan's passes as steps that only need to be recorded.
 
 use std::collections::BTreeSet;
-use std::ops::Range;
 use std::sync::Arc;
 
 use glam::UVec2;
@@ -15,6 +14,7 @@ use crate::moving::Drawn;
 use crate::pipelines::{Pipeline, Stages};
 use crate::region::Region;
 use crate::resources::{Resources, Target};
+use crate::runs::Runs;
 use crate::scene_buffers::{GeometryBuffers, SceneBuffers};
 use crate::sight::Sight;
 use crate::tiles::{TilePipelines, Tiles};
@@ -71,7 +71,7 @@ pub(crate) struct Clear {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Draw {
     /// Triangles of the scene: ranges of indices.
-    Scene(GeometryBuffers, Vec<Range<u32>>),
+    Scene(GeometryBuffers, Runs),
     /// One triangle that covers everything, in each of these rectangles.
     Screen(Vec<Rect>),
     /// Nothing; the targets are cleared all the same.

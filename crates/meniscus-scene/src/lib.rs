@@ -27,8 +27,8 @@ mod water;
 pub use camera::{Camera, View};
 pub use clusters::{Cluster, Clusters, Side, WaterBand};
 pub use export::{
-    CameraExport, MaterialExport, MotionExport, ObjectExport, SceneExport, SkyExport, SunExport, TilesExport,
-    WaterExport, WaveExport,
+    CameraExport, MaterialExport, MotionExport, ObjectExport, SceneExport, SkyExport, SunExport,
+    TilesExport, WaterExport, WaveExport,
 };
 pub use library::{Library, SceneSource};
 pub use mesh::Sides;

@@ -97,14 +97,14 @@ fn marches_meet_a_floor_where_the_ray_does() {
         let found: Lanes<f32> = lab.call("intersect", &[ray, Lanes::vectors(&[[0.0; 2]; LANES])]);
         let leaf = |path: &str| lab.leaf("intersect", path);
         let mut met = 0;
-        for lane in 0..LANES {
+        for (lane, &end) in ends.iter().enumerate() {
             let texel = DVec2::from(
                 ["x", "y"].map(|axis| number(&found, leaf(&format!(".texel.{axis}")), lane)),
             );
             let position = vec3(&found, leaf(".position.x"), lane);
             // Along the ray: where it sinks slowly, a level says little of the way.
-            let apart = (position - ends[lane]).length() / (ends[lane] - EYE).length();
-            met += usize::from(apart < 2e-3 && texel.distance(appears(ends[lane])) < 0.5);
+            let apart = (position - end).length() / (end - EYE).length();
+            met += usize::from(apart < 2e-3 && texel.distance(appears(end)) < 0.5);
         }
         // A floor at a slant is drawn in steps: where the ray sinks more slowly than they do, it may be taken
         // to pass behind one.
