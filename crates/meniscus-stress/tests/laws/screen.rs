@@ -226,6 +226,13 @@ fn places(border: usize) -> Vec<[f32; 4]> {
     (0..256).map(texel).collect()
 }
 
+/// As many neighbours as there are to ask, in every lane.
+fn neighbours(lanes: usize) -> Lanes<f32> {
+    Lanes {
+        columns: vec![meniscus_stress::Column::Sint(vec![24; lanes])],
+    }
+}
+
 #[test]
 fn positions_between_texels_of_one_object_are_those_of_the_plane() {
     let mut lab = Lab::of("screen/seen");
@@ -235,7 +242,10 @@ fn positions_between_texels_of_one_object_are_those_of_the_plane() {
     let texels: Vec<[f32; 2]> = (0..LANES)
         .map(|_| [0.5 + 15.0 * rng.f32(), 0.5 + 15.0 * rng.f32()])
         .collect();
-    let found: Lanes<f32> = lab.call("seen_at", &[Lanes::vectors(&texels)]);
+    let found: Lanes<f32> = lab.call(
+        "seen_at",
+        &[Lanes::vectors(&texels), neighbours(texels.len())],
+    );
     let leaf = |path: &str| lab.leaf("seen_at", path);
     for (lane, [x, y]) in texels.iter().enumerate() {
         let position = vec3(&found, leaf(".position.x"), lane);
@@ -258,7 +268,10 @@ fn positions_do_not_mix_objects() {
     let texels: Vec<[f32; 2]> = (0..LANES)
         .map(|_| [7.0 + 2.0 * rng.f32(), 0.5 + 15.0 * rng.f32()])
         .collect();
-    let found: Lanes<f32> = lab.call("seen_at", &[Lanes::vectors(&texels)]);
+    let found: Lanes<f32> = lab.call(
+        "seen_at",
+        &[Lanes::vectors(&texels), neighbours(texels.len())],
+    );
     let (position, object) = (
         lab.leaf("seen_at", ".position.x"),
         lab.leaf("seen_at", ".object"),
