@@ -29,7 +29,12 @@ use crate::ulp::ulp;
 /// How far inputs are moved, in ulps; and the error / (1 + condition) from which on they are.
 pub const NEARBY: i64 = 4;
 /// Inputs tried near one, in rounds, until one accounts for its error; and whether decisions waver.
-const ROUNDS: [(bool, Range<u64>); 3] = [(false, 0..16), (true, 16..48), (true, 48..128)];
+const ROUNDS: [(bool, Range<u64>); 4] = [
+    (false, 0..16),
+    (true, 16..48),
+    (true, 48..128),
+    (true, 128..640),
+];
 
 /// Exact results near an input: the bounds of each number, over the tries whose integers and truth
 /// values are those that were found.

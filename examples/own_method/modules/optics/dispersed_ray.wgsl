@@ -6,6 +6,7 @@
 // needs: geometry/ray, optics/deflected, optics/snell, water/body
 // number wavelength: 380 to 780 nm, step 10
 // number dispersion: 0 to 1e5 nm², step 100
+// domain: deflect(normal unit)
 
 override wavelength: f32 = 450.0;
 override dispersion: f32 = 3100.0;
