@@ -70,6 +70,7 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
     let stride_part = stride / max(length(end.texel - start.texel), stride);
     var gain = inverse.y - inverse.x;
     var part = 0.0;
+    var counted_from = 0.0;
     var strides = 0.0;
     var before = start;
     var after = start;
@@ -80,12 +81,13 @@ fn intersect(ray: Ray, texel: vec2f) -> Hit {
     let steps = select(march_steps, 0, returns);
     for (var i = 0; i < steps && !met; i++) {
         // By the stride, or just beyond what was drawn, so that the next point is behind it where both run
-        // straight; half-way at first, to see what lies between. In whole parts of a stride, which are counted:
-        // so the rounding of a gap, a difference, does not move points across edges of texels.
-        let apart = select(1.02, 0.5, i == 0) * (1.0 - before.depth / before.drawn);
+        // straight; half-way at first, to see what lies between.
+        let apart = select(1.02, 0.5, i == 0) * (1.0 - before.depth / before.drawn) + 1e-5;
         let to_gap = select(1.0, apart / max(-gain * before.depth, 1e-6), before.drawn > before.depth);
-        strides += min(1.0 + floor(32.0 * to_gap / stride_part), 32.0) / 32.0;
-        part = min(strides * stride_part, 1.0);
+        // Strides are counted: the rounding of many sums adds up to texels that are missed.
+        strides = select(strides + 1.0, 0.0, to_gap < stride_part);
+        counted_from = select(counted_from, part + to_gap, to_gap < stride_part);
+        part = min(counted_from + strides * stride_part, 1.0);
         after = marched(ray, ends.far * part * inverse.y / mix(inverse.x, inverse.y, part));
         left = outside(after.texel);
         met = after.drawn <= after.depth && before.depth <= after.drawn + thickness;
