@@ -37,7 +37,9 @@ fn march_noise(texel: vec2f) -> f32 {
 fn intersect(ray: Ray, texel: vec2f) -> Hit {
     let march = march_of(ray, reach);
     let step = stride * march_texel(march);
-    let shift = jitter * march_noise(texel);
+    // Texels are looked at in their middles, along the axis on which the line is longer: at their edges all
+    // looks of a line would hang in the balance at once.
+    let shift = (march_to_middle(march) + floor(stride * jitter * march_noise(texel))) / stride;
     var before = 0.0;
     var after = 0.0;
     var met = false;

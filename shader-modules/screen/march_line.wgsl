@@ -36,6 +36,15 @@ fn march_texel(march: March) -> f32 {
     return 1.0 / max(max(abs(march.way.x), abs(march.way.y)), 1.0);
 }
 
+// How far the middle of the first texel is along the line, in texels, −½ to ½.
+fn march_to_middle(march: March) -> f32 {
+    let along_x = abs(march.way.x) >= abs(march.way.y);
+    let first = select(march.texel.y, march.texel.x, along_x);
+    let back = select(march.way.y, march.way.x, along_x) < 0.0;
+    let ahead = floor(first) + 0.5 - first;
+    return select(ahead, -ahead, back);
+}
+
 fn march_at(march: March, part: f32) -> vec2i {
     return vec2i(floor(march.texel + part * march.way));
 }
