@@ -52,7 +52,7 @@ pub use scene_stress::{
 };
 pub use sequence::{Sequence, Shot};
 pub use solvers::{Solver, solvers};
-pub use stability::{StabilityData, solvers_figures, stability_page};
+pub use stability::{StabilityData, short, solvers_figures, stability_page};
 pub use sweep::{Axis, Partition, fingerprint, points};
 pub use warnings::gathered_warnings;
 

@@ -106,7 +106,7 @@ fn text<'a>(value: &'a Value, key: &str) -> Result<&'a str, MeasureError> {
 }
 
 /// A number in as few letters as tell its size.
-fn short(x: f64) -> String {
+pub fn short(x: f64) -> String {
     match x {
         x if x.is_infinite() => "∞".to_owned(),
         x if x >= 1e4 => format!("{x:.1e}"),

@@ -3,14 +3,14 @@
 use meniscus::gpu::Gpu;
 use meniscus::measure::write_atomically;
 use meniscus::stress::modules::{Agreement, Declared, Host};
-use meniscus::{FunctionsOnGpu, Project};
+use meniscus::{FunctionsOnGpu, Project, short};
 use serde_json::json;
 
 use super::super::Failure;
 use super::super::arguments::Stress;
 use super::super::progress::Bar;
 use super::super::say::say;
-use super::{aligned, short, write_json};
+use super::{aligned, write_json};
 
 pub(super) fn run(
     project: &Project,

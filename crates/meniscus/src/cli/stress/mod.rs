@@ -12,7 +12,7 @@ use meniscus::measure::write_atomically;
 use meniscus::source::{Diagnostic, Report};
 use meniscus::stress::Effort;
 use meniscus::stress::modules::{Assay, Declared, Device, declared};
-use meniscus::{FunctionsOnGpu, Project};
+use meniscus::{FunctionsOnGpu, Project, short};
 use serde_json::{Value, json};
 
 use super::arguments::Stress;
@@ -271,15 +271,4 @@ fn aligned<const COLUMNS: usize>(rows: &[[String; COLUMNS]]) -> String {
         }
     }
     text
-}
-
-/// A number in as few letters as tell its size.
-fn short(x: f64) -> String {
-    match x {
-        x if x.is_infinite() => "∞".to_owned(),
-        x if x >= 1e4 => format!("{x:.1e}"),
-        x if x >= 100.0 => format!("{x:.0}"),
-        x if x >= 10.0 => format!("{x:.1}"),
-        x => format!("{x:.2}"),
-    }
 }
