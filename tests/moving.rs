@@ -2,12 +2,12 @@
 
 mod common;
 
-use common::{folder, meniscus, text, words};
+use common::{folder, meniscus, text, untimed, words};
 use meniscus::gpu::Gpu;
 use meniscus::measure::{Errors, Verdict};
 use meniscus::pipeline::Pipeline;
 use meniscus::scene::Setting;
-use meniscus::{Ablation, Outcome, Project, Proof, Rounds, Sources};
+use meniscus::{Outcome, Project, Proof, Sources};
 use serde_json::Value;
 
 const TIMES: [f64; 3] = [0.6, 1.9, 4.3];
@@ -35,26 +35,9 @@ fn run(pipelines: &[&str], own: f64, moments: &[f64], size: [u32; 2]) -> Outcome
     let project = project();
     let settings = [Setting::new("water.time", own.to_string())];
     let scene = project.scene("moving", &settings).unwrap();
-    let ablation = Ablation {
-        pipelines: pipelines
-            .iter()
-            .map(|name| pipeline(&project, name))
-            .collect(),
-        baseline: None,
-        truth: scene.water.geometry,
-        scene,
-        size,
-        pruning: Default::default(),
-        rounds: Rounds {
-            warm_up: 0,
-            counted: 1,
-            ..Rounds::default()
-        },
-        without: Vec::new(),
-        settings: Default::default(),
-        moments: moments.to_vec(),
-        rivalry: None,
-    };
+    let pipelines = pipelines.iter().map(|name| pipeline(&project, name));
+    let mut ablation = untimed(pipelines.collect(), scene, size);
+    ablation.moments = moments.to_vec();
     let outcome = ablation.run(&project, &gpu(), &|_, _| ());
     outcome.unwrap_or_else(|error| panic!("{error}"))
 }

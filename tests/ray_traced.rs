@@ -1,9 +1,12 @@
 //! Tracing every water pixel on the GPU agrees with the truth to the limits of single precision.
 
+mod common;
+
+use common::untimed;
 use meniscus::gpu::Gpu;
 use meniscus::measure::Verdict;
 use meniscus::scene::{Setting, WaterGeometry};
-use meniscus::{Ablation, Outcome, Project, Rounds, Sources};
+use meniscus::{Outcome, Project, Sources};
 
 /// Runs one pipeline that needs no times.
 fn traced(scene: &str, settings: &[(&str, &str)], geometry: WaterGeometry) -> Outcome {
@@ -25,23 +28,7 @@ fn run(
     let settings: Vec<Setting> = settings.iter().map(|(k, v)| Setting::new(*k, *v)).collect();
     let mut scene = project.scene(scene, &settings).unwrap();
     scene.water.geometry = geometry;
-    let ablation = Ablation {
-        pipelines: vec![pipeline],
-        baseline: None,
-        scene,
-        truth: geometry,
-        size: [160, 90],
-        pruning: Default::default(),
-        rounds: Rounds {
-            warm_up: 0,
-            counted: 1,
-            ..Rounds::default()
-        },
-        without: Vec::new(),
-        settings: Default::default(),
-        moments: Vec::new(),
-        rivalry: None,
-    };
+    let ablation = untimed(vec![pipeline], scene, [160, 90]);
     let gpu = Gpu::open(None).unwrap_or_else(|error| panic!("{error}"));
     ablation.run(&project, &gpu, &|_, _| ()).unwrap()
 }

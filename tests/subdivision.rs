@@ -1,9 +1,12 @@
 //! Edges behind the water bow, whatever the size of the triangles that they belong to.
 
+mod common;
+
+use common::untimed;
 use meniscus::gpu::Gpu;
 use meniscus::measure::Verdict;
 use meniscus::scene::Setting;
-use meniscus::{Ablation, Outcome, Project, Rounds, Sources};
+use meniscus::{Outcome, Project, Sources};
 
 fn run(scene: &str, slope: &str) -> Outcome {
     let project = Project::open(&Sources::default()).unwrap();
@@ -14,23 +17,8 @@ fn run(scene: &str, slope: &str) -> Outcome {
     ];
     let settings = [Setting::new("water.rms_slope", slope)];
     let scene = project.scene(scene, &settings).unwrap();
-    let ablation = Ablation {
-        pipelines: names.map(|name| project.pipeline(name).unwrap()).into(),
-        baseline: None,
-        truth: scene.water.geometry,
-        scene,
-        size: [320, 180],
-        pruning: Default::default(),
-        rounds: Rounds {
-            warm_up: 0,
-            counted: 1,
-            until: None,
-        },
-        without: Vec::new(),
-        settings: Default::default(),
-        moments: Vec::new(),
-        rivalry: None,
-    };
+    let pipelines = names.map(|name| project.pipeline(name).unwrap());
+    let ablation = untimed(pipelines.into(), scene, [320, 180]);
     let gpu = Gpu::open(None).unwrap_or_else(|error| panic!("{error}"));
     ablation.run(&project, &gpu, &|_, _| ()).unwrap()
 }

@@ -5,6 +5,9 @@ use std::ffi::OsStr;
 use std::path::Path;
 use std::process::Command;
 
+use meniscus::pipeline::Pipeline;
+use meniscus::scene::Scene;
+use meniscus::{Ablation, Rounds};
 use serde_json::Value;
 
 /// How a run of the program ended, and what it said.
@@ -13,6 +16,28 @@ pub struct Said {
     pub code: Option<i32>,
     pub out: String,
     pub err: String,
+}
+
+/// Pipelines on a scene for the sake of their errors: a single frame each, held to the truth of the water as
+/// the scene has it.
+pub fn untimed(pipelines: Vec<Pipeline>, scene: Scene, size: [u32; 2]) -> Ablation {
+    Ablation {
+        pipelines,
+        baseline: None,
+        truth: scene.water.geometry,
+        scene,
+        size,
+        pruning: Default::default(),
+        rounds: Rounds {
+            warm_up: 0,
+            counted: 1,
+            ..Rounds::default()
+        },
+        without: Vec::new(),
+        settings: Default::default(),
+        moments: Vec::new(),
+        rivalry: None,
+    }
 }
 
 /// The program, ready for arguments. Mesa's layer that chooses devices writes to stderr on some
